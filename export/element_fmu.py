@@ -26,7 +26,7 @@ from .model_description import build_description, model_description
 from .platforms import Platform
 from .render import plain_text, render
 
-#: Internal steps a period of the fastest motion that was recorded, where nothing is faster; and s, where none was.
+#: Longest internal step, s, where the laws have no rates along a motion of the recorded size.
 _STILL = 1e-3
 
 

@@ -32,6 +32,7 @@ _SETTLED = numerics(1e-5, "part of the power", why="the search is over: a thousa
 _FARTHEST = numerics(300.0, "of a logarithm", why="beyond it a number overflows")
 _ENOUGH = budget(6000, "samples", why="by which laws are compared at their probes; all are fitted to all")
 _FINEST = numerics(1e-12, "of a column", why="rounding")
+_LOST = numerics(10.0, "times what is left", why="where a law makes no force: the search turns back")
 _ROUNDS = numerics(2, "times", why="recordings are weighed anew: levels then stay within a hundredth")
 
 
@@ -66,7 +67,7 @@ class Fitted:
 
     Attributes:
         shape: its structure.
-        values: members and parameters by name; the load is the mean of the constants.
+        values: members but the load, and parameters, by name.
         constants: (recordings,) of each recording.
         residuals: of each recording (n,), zero where nothing is told.
         likelihood: log-likelihood concentrated over the noise spectra (Whittle 1953).
@@ -206,7 +207,7 @@ class Problem:
         def left(where: np.ndarray) -> np.ndarray:
             found = self._solved(shape, self._at(known, placed, where), weights)
             if found is None:
-                return np.full(size, 10.0)
+                return np.full(size, _LOST)
             parts = zip(found.residuals, self.motions, weights, strict=True)
             return np.concatenate([w * r[m.told] for r, m, w in parts])
 

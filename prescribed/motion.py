@@ -13,6 +13,7 @@ from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import numerics
 from ..identify.signals.signals import drive_of
 from ..recording.recording import Recording
+from ..recording.resolution import converter_step
 from ..recording.smoothing import weights_of_polynomials, with_polynomials
 from ..simulate.imposed import pace_of, spline_of
 
@@ -122,7 +123,8 @@ def imposed(recording: Recording) -> Imposed:
     told[: min(int(np.pi / pace * recording.fs), recording.n // 2)] = False
     if np.count_nonzero(told) < _FEWEST or np.quantile(np.abs(velocity), _MOVING) <= still:
         raise BadInput(
-            f"{name}: the prescribed column moves no more than its noise; choose another one with --prescribed"
+            f"{name}: the prescribed column moves no more than its noise in nine tenths of the record or more; choose "
+            "another one with --prescribed, or keep the part that moves with --part"
         )
     return Imposed(
         name,
@@ -134,7 +136,7 @@ def imposed(recording: Recording) -> Imposed:
         recording.start,
         pace,
         told,
-        max(drive.noise, _LEAST_NOISE * float(np.std(drive.samples))),
+        max(drive.noise, converter_step(drive.samples) / np.sqrt(12.0), _LEAST_NOISE * float(np.std(drive.samples))),
         (otherwise[0], otherwise[1]),
     )
 

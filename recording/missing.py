@@ -44,7 +44,7 @@ class Whole:
 
     Attributes:
         columns: (n, k) response, and the force where there is one.
-        blank: samples of the response that were filled, as slices.
+        blank: samples of what is fitted that were filled, as slices.
         unknown: samples of the force that nothing tells well enough, as slices.
         notes: what was done.
     """
@@ -55,7 +55,9 @@ class Whole:
     notes: tuple[str, ...] = ()
 
 
-def made_whole(where: str, columns: np.ndarray, fs: float, beyond: np.ndarray | None = None) -> Whole:
+def made_whole(
+    where: str, columns: np.ndarray, fs: float, beyond: np.ndarray | None = None, *, imposed: bool = False
+) -> Whole:
     """Signals (n, k), response before force, with what is not a number in them filled, and what is ``beyond``.
 
     What fills a gap of the force is off by an impulse at most. Where this, beside that of the force over half a cycle,
@@ -67,6 +69,7 @@ def made_whole(where: str, columns: np.ndarray, fs: float, beyond: np.ndarray | 
         columns: the signals.
         fs: samples a second.
         beyond: (n,) samples at which the response does not show the motion; the caller says why.
+        imposed: whether the force follows from the motion: then it is what is fitted, and drives nothing.
     """
     gone = np.isnan(columns)
     every = runs_of(np.any(gone, axis=1))
@@ -78,7 +81,9 @@ def made_whole(where: str, columns: np.ndarray, fs: float, beyond: np.ndarray | 
     for k in range(columns.shape[1]):
         made[:, k], error = filled(columns[:, k], gone[:, k])
         errors.append(error)
-    blank, unknown = tuple(errors[0]), tuple(_unknown(made, errors))
+    blank, unknown = tuple(errors[0]), () if imposed else tuple(_unknown(made, errors))
+    if imposed:
+        blank = tuple(runs_of(np.any(gone, axis=1)))
     notes = [
         f"{where}: {sum(b - a for a, b in every)} sample(s) are missing, "
         f"{spans((a / fs, b / fs) for a, b in every)} from the start; filled from their neighbours, and not fitted"

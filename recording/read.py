@@ -118,8 +118,9 @@ def recording_of(
             "name it with --force"
         )
     factors = {key: str(text) for key, text in (calibration or {}).items()}
-    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part, relative)
-    recording = replace(recording, hold=hold, prescribed=prescribed is not None)
+    imposed = prescribed is not None
+    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part, relative, imposed)
+    recording = replace(recording, hold=hold)
     return _checked(recording, stated=unit is not None) if checked else recording
 
 
@@ -147,6 +148,7 @@ def _recording(
     sha256: str | None,
     part: tuple[float, float] | None,
     relative: bool | None,
+    imposed: bool,
 ) -> Recording:
     notes = [*table.notes, *choice.notes]
     factor, unit = _scale(table, choice.response, "response", unit_text, "--unit", calibration)
@@ -195,7 +197,7 @@ def _recording(
         stamps, signals = stamps[rows], signals[rows]
         notes += said
     sampling = uniform_sampling(table.where, stamps, rate, signals)
-    whole = seen_whole(table.where, sampling.columns, sampling.fs)
+    whole = seen_whole(table.where, sampling.columns, sampling.fs, imposed=imposed)
     columns = whole.columns
     response, force, noise = columns[:, 0] * (factor * unit.factor), None, 0.0
     if choice.force is not None:
@@ -222,6 +224,7 @@ def _recording(
         unknown=whole.unknown,
         base="" if of_base is None else WHOLE,
         force_noise=noise,
+        prescribed=imposed,
     )
     return recording if part is None or stamps is not None else cut_out(recording, part)
 

@@ -45,7 +45,7 @@ class Beyond:
     shown: float | None = None
 
 
-def seen_whole(where: str, columns: np.ndarray, fs: float) -> Whole:
+def seen_whole(where: str, columns: np.ndarray, fs: float, *, imposed: bool = False) -> Whole:
     """Signals (n, k), response before force, with what they lack filled: see ``made_whole``.
 
     What the response shows beyond the range of its sensor is lacking. A sensor that stands still at its limit, to the
@@ -55,7 +55,7 @@ def seen_whole(where: str, columns: np.ndarray, fs: float) -> Whole:
     there = np.isfinite(response)
     shown = np.interp(np.arange(response.size), np.flatnonzero(there), response[there]) if np.any(there) else response
     if response.size < 4 * _SHORTEST or not np.ptp(shown) > 0:
-        return made_whole(where, columns, fs)
+        return made_whole(where, columns, fs, imposed=imposed)
     power = np.abs(np.fft.rfft(shown - np.mean(shown))) ** 2
     found = beyond_range(shown, response.size / (1 + int(np.argmax(power[1:]))))
     if any(end.shown is None for end in found) and clipping(shown):
@@ -70,7 +70,7 @@ def seen_whole(where: str, columns: np.ndarray, fs: float) -> Whole:
             f"{where}: the response goes beyond the range of its sensor, which ends at {end.level:.4g}: {what}, "
             f"{times} from the start; these {sum(b - a for a, b in end.runs)} samples are not fitted"
         )
-    whole = made_whole(where, columns, fs, mask if found else None)
+    whole = made_whole(where, columns, fs, mask if found else None, imposed=imposed)
     return replace(whole, notes=(*notes, *whole.notes))
 
 

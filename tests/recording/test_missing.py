@@ -69,6 +69,15 @@ def test_the_motion_begins_anew_where_an_edge_of_its_force_is_lost():
     assert "4 sample(s) are missing" in whole.notes[0]
 
 
+def test_a_force_that_follows_from_the_motion_is_not_fitted_where_it_was_filled():
+    columns = np.column_stack([ringing(60.0, 1e-3), ringing(60.0, 1e-3)])
+    columns[lost((500, 200)), 1] = np.nan
+    whole = made_whole("rig.csv", columns, 100.0, imposed=True)
+    assert whole.blank == ((500, 700),)
+    assert whole.unknown == ()
+    assert len(whole.notes) == 1
+
+
 @pytest.mark.parametrize(("length", "anew"), [(40, False), (200, True)])
 def test_free_motion_begins_anew_after_a_gap_of_more_than_a_cycle(length, anew):
     column = ringing(60.0, 1e-3)
