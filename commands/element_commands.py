@@ -44,8 +44,10 @@ def identify(
     fit = identified_element(
         lambda: read_all(recordings, options, say), name=name or output.stem, laws=laws, every=every, notes=say
     )
+    said = {note for recording in fit.recordings for note in recording.notes}  # while they were read
     for note in fit.notes:
-        say(f"note: {note}")
+        if note not in said:
+            say(f"note: {note}")
     drawn = write_element(fit, output, report, figures)
     if as_json:
         print_json(element_json(fit.element))

@@ -57,6 +57,22 @@ def test_identify_writes_an_element_and_its_page(folder: Path, tmp_path: Path, c
     assert "force over displacement, over velocity, and over time" in text
 
 
+def test_a_force_with_a_gap_is_identified_without_it_and_that_is_said_once(
+    folder: Path, tmp_path: Path, capsys
+) -> None:
+    lines = (folder / "plain.csv").read_text().splitlines()
+    for i in range(500, 560):
+        stamp, _, *rest = lines[i].split(",")
+        lines[i] = ",".join([stamp, "nan", *rest])
+    lost, made = tmp_path / "lost.csv", tmp_path / "strut.yaml"
+    lost.write_text("\n".join(lines) + "\n")
+    ended("identify", lost, "--prescribed", "stroke_mm", "-o", made)
+    assert capsys.readouterr().err.count("60 sample(s) are missing") == 1
+    for name, value in MEMBERS.items():
+        found = load_element(made).parameters()[name]
+        assert abs(found.value - value) < 4 * found.std
+
+
 def test_a_missing_law_is_found_named_and_handed_over(folder: Path, tmp_path: Path, capsys) -> None:
     made, out = tmp_path / "strut.yaml", tmp_path / "diagnosis"
     how = ("--prescribed", "stroke_mm")
