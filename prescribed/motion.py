@@ -13,7 +13,7 @@ from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import numerics
 from ..identify.signals.signals import drive_of
 from ..recording.recording import Recording
-from ..recording.resolution import converter_step
+from ..recording.resolution import rounding_noise
 from ..recording.smoothing import weights_of_polynomials, with_polynomials
 from ..simulate.imposed import pace_of, spline_of
 
@@ -136,7 +136,7 @@ def imposed(recording: Recording) -> Imposed:
         recording.start,
         pace,
         told,
-        max(drive.noise, converter_step(drive.samples) / np.sqrt(12.0), _LEAST_NOISE * float(np.std(drive.samples))),
+        max(drive.noise, rounding_noise(drive.samples), _LEAST_NOISE * float(np.std(drive.samples))),
         (otherwise[0], otherwise[1]),
     )
 

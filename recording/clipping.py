@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .resolution import converter_step
+from .resolution import converter_step, rounding_noise
 
 SHORTEST = 3  # samples: two equal samples astride a smooth peak are common
 VISITS = 2  # one flat top may be the signal's own
@@ -71,7 +71,7 @@ def noise_of(signal: np.ndarray) -> float:
 
     From its fourth differences, which leave little of a well sampled motion and multiply noise by sqrt(70).
     """
-    return max(float(np.std(np.diff(signal, 4))) / np.sqrt(70), converter_step(signal) / np.sqrt(12))
+    return max(float(np.std(np.diff(signal, 4))) / np.sqrt(70), rounding_noise(signal))
 
 
 def _resolution(signal: np.ndarray) -> float:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .resolution import converter_step
+from .resolution import rounding_noise
 
 #: Physical limit: within a cycle no sample of a thing with mass goes this many times as far as every other.
 _LEAP = 3.0
@@ -189,7 +189,7 @@ def noise_beside(signal: np.ndarray) -> float:
     As ``clipping.noise_of``, by the median of the fourth differences, 0.6745 of their standard deviation.
     """
     middle = float(np.median(np.abs(np.diff(signal, 4))))
-    return max(middle / (0.6745 * np.sqrt(70)), converter_step(signal) / np.sqrt(12))
+    return max(middle / (0.6745 * np.sqrt(70)), rounding_noise(signal))
 
 
 def repeated(signals: np.ndarray) -> tuple[int, int, int] | None:

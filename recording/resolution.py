@@ -27,6 +27,11 @@ def converter_step(signal: np.ndarray) -> float:
     return _spacing(gaps) or _step_from_sample_to_sample(signal, least)
 
 
+def rounding_noise(signal: np.ndarray) -> float:
+    """Standard deviation of what a signal (n,) errs by as its converter rounds it; 0 where none is told."""
+    return converter_step(signal) / np.sqrt(12)
+
+
 def _step_from_sample_to_sample(signal: np.ndarray, least: float) -> float:
     """Spacing of a lattice on which nearly all steps lie, where the values lie on two, one beside the other."""
     steps = np.abs(np.diff(signal))
