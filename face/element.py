@@ -209,7 +209,7 @@ def described(element: Element) -> str:
 
 def as_json(element: Element) -> dict[str, Any]:
     """The same as plain data."""
-    from ..model.show import percent
+    from ..model.show import finite, percent
 
     words = element.descriptions()
     return {
@@ -217,7 +217,13 @@ def as_json(element: Element) -> dict[str, Any]:
         "name": element.name,
         "equation": element.equation(),
         "parameters": {
-            name: {"value": p.value, "std": p.std, "percent": percent(p), "unit": p.unit, "description": words[name]}
+            name: {
+                "value": p.value,
+                "std": finite(p.std),
+                "percent": percent(p),
+                "unit": p.unit,
+                "description": words[name],
+            }
             for name, p in element.parameters().items()
         },
         "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in element.terms],

@@ -57,7 +57,7 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
         "parameters": {
             name: {
                 "value": float(p.value),
-                "std": _finite(p.std),
+                "std": finite(p.std),
                 "percent": percent(p),
                 "unit": p.unit,
                 "description": words[name],
@@ -65,7 +65,7 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
             for name, p in o.parameters().items()
         },
         "machine": {
-            name: {"value": float(p.value), "std": _finite(p.std), "percent": percent(p), "unit": p.unit}
+            name: {"value": float(p.value), "std": finite(p.std), "percent": percent(p), "unit": p.unit}
             for name, p in machine(o).items()
         },
         "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in o.terms],
@@ -83,7 +83,7 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
             "covariance": None
             if provenance.covariance is None
             else [[float(c) for c in row] for row in provenance.covariance],
-            "log_likelihood": _finite(provenance.log_likelihood),
+            "log_likelihood": finite(provenance.log_likelihood),
         },
         "correlations": [
             {"parameters": [first, second], "correlation": value} for first, second, value in strong_correlations(o)
@@ -93,8 +93,8 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
     }
 
 
-def _finite(value: float | None) -> float | None:
-    """JSON has no infinity and no NaN."""
+def finite(value: float | None) -> float | None:
+    """A number for JSON, which has no infinity and no NaN: None in their place."""
     return None if value is None or not math.isfinite(value) else float(value)
 
 

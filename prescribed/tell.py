@@ -13,6 +13,7 @@ from ..diagnose.wording import effects_in_words, figure, quantity
 from ..identify.signals.odds import ABOVE_NOISE
 from ..identify.signals.registry import shown
 from ..model.parameter import Parameter
+from ..model.show import finite
 from .element_fit import ElementFit, ElementFound, Record
 from .search import Named
 
@@ -114,7 +115,7 @@ def as_json(found: ElementFound) -> dict[str, Any]:
         "location": {"path": "", "statement": statement, **ranges},
         "fit": {"train": [_fit(*pair) for pair in fits], "holdout": [_fit(*pair) for pair in held]},
         "parameter_shift": {
-            name: {"before": p.value, "after": new[name].value, "std": _finite(p.std)}
+            name: {"before": p.value, "after": new[name].value, "std": finite(p.std)}
             for name, p in old.items()
             if p.std is not None or new[name].std is not None
         },
@@ -139,7 +140,7 @@ def _held(left: tuple[np.ndarray, ...], found: ElementFound) -> float | None:
         return None
     size = math.sqrt(sum(float(np.sum(one**2)) for one in best)) or np.finfo(float).tiny
     value = math.sqrt(sum(float(np.sum(one**2)) for one in left)) / size
-    return _finite(value * max(record.nrmse for record in found.held_after))
+    return finite(value * max(record.nrmse for record in found.held_after))
 
 
 def _effect(named: Named, fit: ElementFit) -> dict[str, Any]:
@@ -148,7 +149,7 @@ def _effect(named: Named, fit: ElementFit) -> dict[str, Any]:
         "effect": named.law.effect,
         "law": named.law.name,
         "path": named.law.path,
-        "parameters": {n: {"value": p.value, "std": _finite(p.std), "unit": p.unit} for n, p in own.items()},
+        "parameters": {n: {"value": p.value, "std": finite(p.std), "unit": p.unit} for n, p in own.items()},
         "indistinguishable_from": list(named.rivals),
         "separated_by": "",
         "odds": min(named.odds, SURE),
@@ -164,7 +165,3 @@ def _fit(before: Record, after: Record) -> dict[str, Any]:
         "nrmse_after": after.nrmse,
         "noise_floor": before.noise_floor,
     }
-
-
-def _finite(value: float | None) -> float | None:
-    return None if value is None or not math.isfinite(value) else float(value)

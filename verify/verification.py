@@ -23,6 +23,7 @@ from ..identify.fit.hold import held_as
 from ..identify.problem.replay import Replay, force_of, run_along
 from ..identify.signals.signals import noise_levels
 from ..model import Response
+from ..model.show import finite
 from ..recording.given import recordings_of
 from ..recording.prescribed import refuse_prescribed
 from ..recording.recording import Recording
@@ -125,11 +126,11 @@ class Verification:
             "recordings": [
                 {
                     "file": check.file,
-                    "nrmse": _finite(check.nrmse),
-                    "noise_floor": _finite(check.noise_floor),
-                    "nrmse_limit": _finite(check.nrmse_limit),
-                    "backbone_max_error_hz": _finite(check.backbone_max_error_hz),
-                    "backbone_over_limit": _finite(check.backbone_over_limit),
+                    "nrmse": finite(check.nrmse),
+                    "noise_floor": finite(check.noise_floor),
+                    "nrmse_limit": finite(check.nrmse_limit),
+                    "backbone_max_error_hz": finite(check.backbone_max_error_hz),
+                    "backbone_over_limit": finite(check.backbone_over_limit),
                     "score": None if check.score is None else check.score.as_json(),
                     "besides": list(check.besides),
                     "failed": list(check.failed),
@@ -139,11 +140,6 @@ class Verification:
             ],
             "pass": self.passed,
         }
-
-
-def _finite(value: float | None) -> float | None:
-    """JSON has no number for what is not finite."""
-    return value if value is not None and np.isfinite(value) else None
 
 
 def verify(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ... import __version__
+from ...model.show import finite
 from ..signals.registry import shown
 from .hilbert_result import HilbertAnalysis
 from .modal_result import LawFit, ModalCurve, ModalFit
@@ -104,8 +105,8 @@ def as_json(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> dict[
                 "time_s": [float(curve.time[0]), float(curve.time[-1])],
                 "amplitude": {"min": float(curve.amplitude[low]), "max": float(curve.amplitude[high]), "unit": unit},
                 "decrement": {
-                    "at_min_amplitude": _finite(curve.decrement[low]),
-                    "at_max_amplitude": _finite(curve.decrement[high]),
+                    "at_min_amplitude": finite(curve.decrement[low]),
+                    "at_max_amplitude": finite(curve.decrement[high]),
                 },
                 "within_the_cycle": _largest(curve, unit, high),
                 "fit": None if curve.fit is None else _fit(curve.fit, unit, compose),
@@ -162,20 +163,16 @@ def _law(law: LawFit, unit: str, compose: Any) -> dict[str, Any]:
     return {
         "law": law.law,
         "parameters": _values(law.values, law.stds, unit, compose),
-        "misfit": _finite(law.misfit),
-        "over_noise": _finite(law.over_noise),
+        "misfit": finite(law.misfit),
+        "over_noise": finite(law.over_noise),
     }
 
 
 def _values(values: Mapping[str, float], stds: Mapping[str, float], unit: str, compose: Any) -> dict[str, Any]:
     return {
-        name: {"value": _finite(value), "std": _finite(stds[name]), "unit": compose(UNITS[name], unit)}
+        name: {"value": finite(value), "std": finite(stds[name]), "unit": compose(UNITS[name], unit)}
         for name, value in values.items()
     }
-
-
-def _finite(value: float) -> float | None:
-    return float(value) if math.isfinite(value) else None
 
 
 def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
