@@ -117,11 +117,13 @@ def simulate(model: Path, recording: Path, output: Path, options: dict[str, Any]
     say(f"written: {output}")
 
 
-def export(model: Path, outputs: tuple[Path, ...], platform: str | None, unusable: Mapping[str, Any]) -> None:
-    """Write an element as FMU or CasADi functions.
+def export(
+    model: Path, outputs: tuple[Path, ...], version: int, platform: str | None, unusable: Mapping[str, Any]
+) -> None:
+    """Write an element as FMU, CasADi functions or plain C.
 
     Args:
-        model, outputs, platform: as of ``dashpot export``.
+        model, outputs, version, platform: as of ``dashpot export``.
         unusable: options by name that an element has no use for, and what was given.
     """
     from ..export import element_files
@@ -134,5 +136,5 @@ def export(model: Path, outputs: tuple[Path, ...], platform: str | None, unusabl
             raise BadInput(f"{option} is of an oscillator, and {model} is a force law by itself; leave it out")
     outputs_checked([file for output in outputs for file in element_files(output)], [model])
     platforms = None if platform is None else parse_platforms(platform)
-    for path in exported_element(element, outputs, platforms=platforms, progress=say):
+    for path in exported_element(element, outputs, version=version, platforms=platforms, progress=say):
         say(f"written: {path}")

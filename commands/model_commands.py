@@ -131,8 +131,8 @@ def export(
     from ..model.file import load
 
     if is_element_file(model):
-        unusable = {"--as": form, "--dof": options["dof"], "--draws": draws, "--backend python": options["backend"]}
-        element_commands.export(model, outputs, platform, {**unusable, "--fmi 3": options["version"] == 3})
+        unusable = {"--as": form, "--dof": options["dof"], "--draws": draws, "--backend python": options["backend"] == "python"}
+        element_commands.export(model, outputs, options["version"], platform, unusable)
         return
     oscillator = load(model)
     platforms = None if platform is None else parse_platforms(platform)

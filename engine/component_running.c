@@ -110,28 +110,28 @@ static int dp_wrong_size(const dp_component *c, size_t n, size_t size, const voi
 
 static int dp_set_states(dp_component *c, const double *z, size_t n, const char *function) {
     size_t i;
-    if (dp_refused(c, DP_CONTINUOUS, function) || dp_wrong_size(c, n, DP_NZ, z, function)) return DP_ERROR;
+    if (dp_refused(c, DP_CONTINUOUS, function) || dp_wrong_size(c, n, DP_OWN, z, function)) return DP_ERROR;
     for (i = 0; i < n; ++i)
         if (!isfinite(z[i])) return dp_report(c, DP_ERROR, DP_FMI "%s: state %u is not finite", function, (unsigned)i);
-    memcpy(c->state.model.engine.z, z, n * sizeof *z);
+    if (n > 0) memcpy(c->state.model.engine.z + DP_GIVEN, z, n * sizeof *z);
     c->state.model.ready = 0;
     return DP_FINE;
 }
 
 static int dp_get_states(dp_component *c, double *z, size_t n, const char *function) {
     if (dp_refused(c, DP_INITIALISING | DP_EVENT | DP_CONTINUOUS | DP_ENDED, function)) return DP_ERROR;
-    if (dp_wrong_size(c, n, DP_NZ, z, function)) return DP_ERROR;
+    if (dp_wrong_size(c, n, DP_OWN, z, function)) return DP_ERROR;
     dp_instance_prepare(&c->state.model);
-    memcpy(z, c->state.model.engine.z, n * sizeof *z);
+    if (n > 0) memcpy(z, c->state.model.engine.z + DP_GIVEN, n * sizeof *z);
     return DP_FINE;
 }
 
 static int dp_get_rates(dp_component *c, double *f, size_t n, const char *function) {
     size_t i;
     if (dp_refused(c, DP_INITIALISING | DP_EVENT | DP_CONTINUOUS | DP_ENDED, function)) return DP_ERROR;
-    if (dp_wrong_size(c, n, DP_NZ, f, function)) return DP_ERROR;
+    if (dp_wrong_size(c, n, DP_OWN, f, function)) return DP_ERROR;
     dp_continuous_rates(&c->state.model);
-    memcpy(f, c->state.model.f, n * sizeof *f);
+    if (n > 0) memcpy(f, c->state.model.f + DP_GIVEN, n * sizeof *f);
     for (i = 0; i < n; ++i)
         if (!isfinite(f[i]))
             return dp_report(c, DP_DISCARD, DP_FMI "%s: rate %u is not finite here", function, (unsigned)i);
@@ -148,7 +148,7 @@ static int dp_get_indicators(dp_component *c, double *g, size_t n, const char *f
 
 static int dp_get_nominals(dp_component *c, double *z, size_t n, const char *function) {
     if (dp_refused(c, DP_ANY & ~DP_NEW, function)) return DP_ERROR;
-    if (dp_wrong_size(c, n, DP_NZ, z, function)) return DP_ERROR;
-    memcpy(z, dp_nominal, n * sizeof *z);
+    if (dp_wrong_size(c, n, DP_OWN, z, function)) return DP_ERROR;
+    if (n > 0) memcpy(z, dp_nominal + DP_GIVEN, n * sizeof *z);
     return DP_FINE;
 }

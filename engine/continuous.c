@@ -86,12 +86,14 @@ static void dp_continuous_indicators(dp_instance *m) {
     dp_surface_values(m, &line, g);
     for (j = 0; j < DP_NS; ++j) {
         const double s = e->s[j];
-        if (s == 0.0 && j == e->hold && !smooth)
+        if (s == 0.0 && j == e->hold && !smooth) {
             m->indicator[j] = DP_HAIR * dp_nominal[1] * dp_nominal[1] / dp_nominal[0] - dp_excess(e, &line, 0.0, e->z);
-        else if (s == 0.0 || (smooth && dp_kind[j] != DP_VELOCITY))
+            if (DP_GIVEN > 0) m->indicator[j] = fmin(m->indicator[j], DP_HAIR * dp_range[j] - fabs(e->z[1]));
+        } else if (s == 0.0 || (smooth && dp_kind[j] != DP_VELOCITY)) {
             m->indicator[j] = dp_range[j];
-        else
+        } else {
             m->indicator[j] = s * g[j] + DP_HAIR * dp_range[j];
+        }
     }
     m->ready |= DP_INDICATORS_READY;
 }
@@ -101,7 +103,7 @@ static void dp_continuous_cross(dp_engine *e, const dp_line *line, int i, int sm
     double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];
     const double side = e->s[i], v = e->z[1];
     ++e->events;
-    if (smooth) {
+    if (smooth || DP_GIVEN > 0) { /* a motion that is given goes on as it is given */
         dp_turn(e);
         e->s[i] = -side;
     } else if (dp_kind[i] == DP_VELOCITY) {
@@ -132,7 +134,9 @@ static int dp_continuous_event(dp_instance *m) {
         for (found = i = 0; i < DP_NS && !found; ++i) {
             if (m->indicator[i] > 0.0) continue;
             found = 1;
-            if (i == e->hold)
+            if (i == e->hold && DP_GIVEN > 0 && e->z[1] != 0.0) /* it was moved away at a constant speed */
+                dp_find_modes(e, &line);
+            else if (i == e->hold)
                 dp_release(e, &line, 0.0);
             else
                 dp_continuous_cross(e, &line, i, smooth);

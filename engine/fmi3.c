@@ -220,7 +220,7 @@ static fmi3Status dp_count(const dp_component *c, size_t count, size_t *n, const
 }
 
 FMI3_EXPORT fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance c, size_t *n) {
-    return dp_count((dp_component *)c, DP_NZ, n, "GetNumberOfContinuousStates");
+    return dp_count((dp_component *)c, DP_OWN, n, "GetNumberOfContinuousStates");
 }
 
 FMI3_EXPORT fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance c, size_t *n) {

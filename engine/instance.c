@@ -30,6 +30,7 @@ typedef struct {
 
 #include "variables.h" /* generated: the variables by value reference, and the sizes of the motion */
 
+#define DP_OWN (DP_NZ - DP_GIVEN) /* states that follow, behind those of a motion that is given */
 #define DP_ORDERS 3 /* the engine takes a cubic */
 
 enum { DP_OUTPUTS_READY = 1, DP_POWER_READY = 2, DP_RATES_READY = 4, DP_INDICATORS_READY = 8 };
@@ -112,7 +113,8 @@ static void dp_instance_move(dp_instance *m, unsigned reference, double value) {
     m->ready = 0;
     if (!m->running || *z == value) return;
     *z = value;
-    m->engine.modes_ready = m->engine.node_ready = 0;
+    m->engine.node_ready = 0;
+    if (!m->exchange) m->engine.modes_ready = 0; /* there an event tells */
 }
 
 static void dp_instance_set(dp_instance *m, unsigned reference, double value) {

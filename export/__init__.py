@@ -53,10 +53,7 @@ def files(path: Path, form: str | None = None) -> tuple[Path, ...]:
     if suffix in (".mjcf", ".urdf", ".hydrodyn"):
         check_ours(path, b"made by dashpot")
     if suffix == ".c":
-        both = path, path.with_suffix(".h")
-        for place in both:
-            check_ours(place, b"made by dashpot")
-        return both
+        return _c_files(path)
     if suffix == ".casadi":
         from .casadi_functions import DESCRIPTION, FUNCTIONS
         from .step_c import HEADER, SOURCE
@@ -68,6 +65,16 @@ def files(path: Path, form: str | None = None) -> tuple[Path, ...]:
             check_ours(beside[-1], marks.get(end, b"jhpnnagiieah"))  # that is CasADi's own
         return path, *beside
     return (path,)
+
+
+def _c_files(path: Path) -> tuple[Path, Path]:
+    """Source and header of plain C; raises BadInput where one of them is there and was not made by dashpot."""
+    from ..files.writing import check_ours
+
+    both = path, path.with_suffix(".h")
+    for place in both:
+        check_ours(place, b"made by dashpot")
+    return both
 
 
 def export(
@@ -135,7 +142,7 @@ def export(
 
 
 #: What an element can be made into.
-ELEMENT_SUFFIXES = (".fmu", ".casadi")
+ELEMENT_SUFFIXES = (".fmu", ".casadi", ".c")
 
 
 def element_files(path: Path) -> tuple[Path, ...]:
@@ -144,10 +151,12 @@ def element_files(path: Path) -> tuple[Path, ...]:
 
     path = Path(path)
     if path.suffix not in ELEMENT_SUFFIXES:
-        known = " and ".join(ELEMENT_SUFFIXES)
+        known = f"{', '.join(ELEMENT_SUFFIXES[:-1])} and {ELEMENT_SUFFIXES[-1]}"
         raise BadInput(f"{path}: a force law by itself is exported as {known}; end the name in one of them")
     if path.suffix == ".fmu":
         return (path,)
+    if path.suffix == ".c":
+        return _c_files(path)
     stem = path.name.removesuffix(".casadi")
     beside = [path.with_name(f"{stem}.{end}") for end in ("smooth.casadi", "casadi.json")]
     check_ours(beside[0], b"jhpnnagiieah")
@@ -159,10 +168,13 @@ def export_element(
     element: Element,
     path: Path,
     *,
+    version: int = 2,
     platforms: Sequence[Platform] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Path, ...]:
-    """Write an element as an FMU or as CasADi functions, by the suffix; returns the paths written.
+    """Write an element as an FMU, CasADi functions or plain C, by the suffix; returns the paths written.
+
+    ``version`` is that of FMI, 2 or 3; for ``platforms`` and ``progress`` see ``export``.
 
     Raises:
         BadInput: for another suffix, or where the file cannot be written.
@@ -172,7 +184,11 @@ def export_element(
     if Path(path).suffix == ".fmu":
         from .element_fmu import export_element_fmu
 
-        return (export_element_fmu(element, path, platforms=platforms, progress=progress),)
+        return (export_element_fmu(element, path, version=version, platforms=platforms, progress=progress),)
+    if Path(path).suffix == ".c":
+        from .element_c import export_element_c
+
+        return export_element_c(element, Path(path))
     from .element_casadi import export_element_casadi
 
     return export_element_casadi(element, Path(path))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -124,7 +125,6 @@ class Description:
         ranges: of each switching surface the size that it goes through, in its unit.
         nominals: typical size of each state.
         amplitude: smallest and largest amplitude that the model was identified in.
-        exchange: whether it is for model exchange too.
     """
 
     name: str
@@ -138,7 +138,6 @@ class Description:
     nominals: tuple[float, ...] = (1.0, 1.0)
     amplitude: tuple[float, float] = (0.0, math.inf)
     state: str = ""
-    exchange: bool = True
 
     @property
     def words(self) -> str:
@@ -152,6 +151,11 @@ class Description:
     def place(self, role: str) -> int | None:
         """Value reference of the first variable in that role."""
         return next((i for i, variable in enumerate(self.variables) if variable.role == role), None)
+
+    @property
+    def given(self) -> int:
+        """How many of the first states are inputs, of a motion that is given."""
+        return sum(variable.role == "motion" for variable in self.variables)
 
     def units(self) -> dict[str, dict[str, int] | None]:
         """SI base exponents of every unit used; None where a unit (counts, say) has none that are known."""
@@ -184,7 +188,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
     elif oscillator.hold != "smooth":
         force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")
     descriptions, bounds = oscillator.descriptions(), oscillator.bounds()
-    known = Knowns(eq)
+    known, state_units = Knowns(eq), [length, speed, *_inner_units(oscillator, eq)]
     if eq.payload:
         descriptions["mass"] += f" of the recordings, by which all forces scale; a load is {PAYLOAD}"
     variables = [force, *_outputs(oscillator, eq, known, size if continuous else None)]
@@ -193,7 +197,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
             raise BadInput(
                 f"parameter {name!r} is {parameter.value}; an FMU needs a finite number, so identify it first"
             )
-        low, high = _holding(bounds[name], parameter.value)
+        low, high = holding(bounds[name], parameter.value)
         variables.append(
             Variable(name, "parameter", i, parameter.unit, descriptions[name], parameter.value, min=low, max=high)
         )
@@ -201,7 +205,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
         *_machine(oscillator, eq, known),
         Variable("x0", "initial", 0, length, "displacement at the start", 0.0),
         Variable("v0", "initial", 1, speed, "velocity at the start", 0.0),
-        *_inner_starts(oscillator, eq),
+        *inner_starts(eq, state_units, ("x0", "v0")),
         Variable(
             "max_step",
             "longest-step",
@@ -214,7 +218,15 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
         ),
     ]
     if continuous:
-        variables += _continuous(oscillator, eq, known, size, indicators=version == 3)
+        text = (
+            "co-simulation without a slope of F: 0 holds F over a step, 1 goes on in a straight line from the last two "
+            "values that were set"
+        )
+        variables += [
+            smoothing_variable(),
+            Variable("extrapolation", "extrapolation", 0, "1", text, 0.0, min=0.0, max=1.0),
+            *integrated(eq, known, size, state_units, indicators=version == 3),
+        ]
     if version == 3:
         rate = units.compose("X/s", force.unit)
         variables += [
@@ -238,7 +250,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
     )
 
 
-def _holding(bounds: tuple[float, float], value: float) -> tuple[float | None, float | None]:
+def holding(bounds: tuple[float, float], value: float) -> tuple[float | None, float | None]:
     """Bounds that are finite, but for those that the value itself breaks: a fit may find what no machine has."""
     low, high = bounds
     return (
@@ -311,45 +323,35 @@ def _outputs(oscillator: Oscillator, eq: Equations, known: Knowns, size: MotionS
     ]
 
 
-def _continuous(
-    oscillator: Oscillator, eq: Equations, known: Knowns, size: MotionSize, *, indicators: bool
+def smoothing_variable() -> Variable:
+    """The choice of a smooth law, for importers that locate no events."""
+    text = (
+        "model exchange only: 0 changes signs at located events; above 0, for importers that locate none, they are "
+        "tanh over this part of the motion (1e-3, say), and nothing sticks"
+    )
+    return Variable("smoothing", "smoothing", 0, "1", text, 0.0, min=0.0)
+
+
+def integrated(
+    eq: Equations, known: Knowns, size: MotionSize, state_units: Sequence[str], *, given: int = 0, indicators: bool
 ) -> list[Variable]:
-    """What an importer's integrator needs: the smooth law, inner states, derivatives and event indicators."""
-    response = oscillator.response
-    length = response.displacement_unit
-    variables = [
-        Variable(
-            "smoothing",
-            "smoothing",
-            0,
-            "1",
-            "model exchange only: 0 changes signs at located events; above 0, for importers that locate none, they are "
-            "tanh over this part of the motion (1e-3, say), and nothing sticks",
-            0.0,
-            min=0.0,
-        ),
-        Variable(
-            "extrapolation",
-            "extrapolation",
-            0,
-            "1",
-            "co-simulation without a slope of F: 0 holds F over a step, 1 goes on in a straight line from the last two "
-            "values that were set",
-            0.0,
-            min=0.0,
-            max=1.0,
-        ),
-    ]
-    names = ["displacement", "velocity", *eq.state_names[2:]]
-    state_units = [length, units.compose("X/s", length)]
-    for i, (name, state) in enumerate(zip(names[2:], eq.inner, strict=True), start=2):
-        unit = units.compose(state.unit, length, oscillator.force_unit, response.unit)
-        state_units.append(unit)
+    """What an importer's integrator needs: inner states, derivatives and event indicators.
+
+    Args:
+        eq: the equations.
+        known: what their expressions depend on.
+        size: of the motion.
+        state_units: of each state.
+        given: how many of the first states are inputs, which have no derivatives.
+        indicators: whether event indicators are among the variables.
+    """
+    variables, names = [], eq.state_names
+    for i, name in enumerate(names[2:], start=2):
         law, _, own = name.rpartition(".")
         text, starts = f"{law}: inner state {own}", known.of(eq.z[i])[1]
-        variables.append(Variable(name, "state", i, unit, text, None, (), starts, nominal=size.nominals[i]))
-    for i, (name, unit) in enumerate(zip(names, state_units, strict=True)):
-        text, rate = f"rate of {name}", units.compose("X/s", unit)
+        variables.append(Variable(name, "state", i, state_units[i], text, None, (), starts, nominal=size.nominals[i]))
+    for i, name in enumerate(names[given:], start=given):
+        text, rate = f"rate of {name}", units.compose("X/s", state_units[i])
         variables.append(
             Variable(f"der({name})", "derivative", i, rate, text, None, *known.of(eq.zdot[i]), derivative_of=name)
         )
@@ -360,17 +362,24 @@ def _continuous(
     return variables
 
 
-def _inner_starts(oscillator: Oscillator, eq: Equations) -> list[Variable]:
-    """Start values of the laws' inner states, each from what it follows or from zero."""
+def _inner_units(oscillator: Oscillator, eq: Equations) -> list[str]:
     response = oscillator.response
+    length = response.displacement_unit
+    return [units.compose(state.unit, length, oscillator.force_unit, response.unit) for state in eq.inner]
+
+
+def inner_starts(eq: Equations, state_units: Sequence[str], leaders: tuple[str, str]) -> list[Variable]:
+    """Start values of the laws' inner states, each from what it follows or from zero.
+
+    ``leaders`` are the names of displacement and velocity at the start, ``state_units`` the units of all states.
+    """
     variables = []
     for i, (name, state) in enumerate(zip(eq.state_names[2:], eq.inner, strict=True), start=2):
         law, _, own = name.rpartition(".")
         leader = eq.follows[i]
-        beyond = "" if leader is None else f", beyond {('x0', 'v0')[leader]}"
-        unit = units.compose(state.unit, response.displacement_unit, oscillator.force_unit, response.unit)
+        beyond = "" if leader is None else f", beyond {leaders[leader]}"
         text = f"{law}: start value of its {own}{beyond}{OWN if state.free else ''}"
-        variables.append(Variable(f"{name}0", "initial", i, unit, text, 0.0))
+        variables.append(Variable(f"{name}0", "initial", i, state_units[i], text, 0.0))
     return variables
 
 
@@ -396,20 +405,23 @@ def _stop_time(omega0: float) -> float:
 
 
 class Knowns:
-    """Names of what expressions of the equations ``eq`` depend on."""
+    """Names of what expressions of the equations ``eq`` depend on.
 
-    def __init__(self, eq: Equations) -> None:
+    ``driven`` is the name of the input, ``first`` are those of displacement and velocity at the start.
+    """
+
+    def __init__(self, eq: Equations, driven: str = "F", first: tuple[str, str] = ("x0", "v0")) -> None:
         import casadi as ca
 
         self._eq = eq
         states = {name: eq.z[i] for i, name in enumerate(eq.state_names)}
-        self._knowns = {"F": eq.u, **states, "time": eq.t}
+        self._knowns = {driven: eq.u, **states, "time": eq.t}
         starts = {}
-        for i, name in enumerate(("x0", "v0", *(f"{name}0" for name in eq.state_names[2:]))):
+        for i, name in enumerate((*first, *(f"{name}0" for name in eq.state_names[2:]))):
             riders = [eq.z[k] for k, leader in enumerate(eq.follows) if leader == i]
             starts[name] = ca.vertcat(eq.z[i], *riders)
         parameters = {name: eq.p[i] for i, name in enumerate(eq.parameter_names)}
-        self._initial = {"F": eq.u, **parameters, **starts, "time": eq.t}
+        self._initial = {driven: eq.u, **parameters, **starts, "time": eq.t}
 
     def of(self, expression: Expression) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Names of the inputs and states it is computed from; of inputs, parameters and start values at the start."""

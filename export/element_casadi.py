@@ -17,25 +17,17 @@ from typing import Any
 import numpy as np
 
 from ..files.writing import together, write
-from ..model import units
 from ..model.element import Element
 from ..model.equations import Equations, equations, signed
 from ..simulate.casadi_step import with_defaults
-from ..simulate.core import core_of
-from ..simulate.force import straight_lines
-from ..simulate.imposed import spline_of
 from .casadi_functions import serialised
-from .element_fmu import max_step, pace_of
-
-#: Width of a smoothed sign, as a part of what its surface goes through along a sine of the recorded size.
-_WIDTH = 1e-3
-_CYCLES, _POINTS = 3, 400
+from .element_motion import motion_size, state_units, values_of
 
 
 def export_element_casadi(element: Element, path: Path) -> tuple[Path, ...]:
     """Write the functions and their description beside one another; returns the paths written."""
     stem, eq = path.name.removesuffix(".casadi"), equations(element)
-    widths = surface_widths(element, eq)
+    widths = np.array([surface.width for surface in motion_size(element, eq).surfaces])
     made = {"casadi": force_function(element), "smooth.casadi": force_function(element, widths)}
     written = []
     with together():
@@ -53,7 +45,7 @@ def force_function(element: Element, widths: np.ndarray | None = None) -> Any:
     import casadi as ca
 
     eq = equations(element)
-    identified = [*element.values().values(), element.origin]
+    identified = values_of(element)
     inner = ca.SX.sym("z", eq.z.numel() - 2)
     x, v, a, p = ca.SX.sym("x"), ca.SX.sym("v"), ca.SX.sym("a"), ca.SX.sym("p", eq.p.numel())
     both = ca.vertcat(eq.y[0], eq.zdot[2:])
@@ -61,29 +53,6 @@ def force_function(element: Element, widths: np.ndarray | None = None) -> Any:
     there = ca.Function("there", [eq.z, eq.t, eq.u, eq.p], [plain])
     result = there(ca.vertcat(x, v, inner), 0.0, a, with_defaults(p, identified))
     return ca.Function("force", [inner, x, v, a, p], [result[0], result[1:]], ["z", "x", "v", "a", "p"], ["F", "zdot"])
-
-
-def surface_widths(element: Element, eq: Equations) -> np.ndarray:
-    """(surfaces,) widths of smoothed signs: a part of what each surface goes through along a sine."""
-    import casadi as ca
-
-    if not eq.kinds:
-        return np.zeros(0)
-    reach = 1.0 if element.amplitude is None else element.amplitude.max
-    pace = pace_of(element)
-    dt = 2.0 * np.pi / pace / _POINTS
-    time = dt * np.arange(_CYCLES * _POINTS)
-    motion = element.origin + reach * np.sin(pace * time)
-    velocity, acceleration = spline_of(motion, dt)
-    values = np.array([*element.values().values(), element.origin])
-    core = core_of(element)
-    initial = np.zeros(core.states)
-    initial[:2] = motion[0], velocity[0]
-    force, step = straight_lines(acceleration, dt), max_step(element)
-    states = core.record(values, initial, force, time.size, dt, step, states=True)
-    surfaces = ca.Function("surfaces", [eq.z, eq.t, eq.u, eq.p], [eq.surfaces])
-    through = np.array([np.array(surfaces(z, 0.0, 0.0, values)).ravel() for z in states[:: _POINTS // 40]])
-    return _WIDTH * np.maximum(np.max(np.abs(through), axis=0), np.finfo(float).tiny)
 
 
 def describe(element: Element, eq: Equations, widths: np.ndarray) -> dict[str, Any]:
@@ -102,8 +71,8 @@ def describe(element: Element, eq: Equations, widths: np.ndarray) -> dict[str, A
         "motion": {"x": element.unit, "v": f"{element.unit}/s", "a": f"{element.unit}/s2"},
         "force": element.force_unit,
         "z": [
-            {"name": name, "unit": units.compose(state.unit, element.unit, element.force_unit)}
-            for name, state in zip(eq.state_names[2:], eq.inner, strict=True)
+            {"name": name, "unit": unit}
+            for name, unit in zip(eq.state_names[2:], state_units(element, eq)[2:], strict=True)
         ],
         "parameters": [*parameters, origin],
         "widths": [float(width) for width in widths],

@@ -104,8 +104,7 @@ def fmu_entries(
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Description, dict[str, bytes]]:
     """The model's variables as its FMU has them, and the contents of that by their names; as ``export_fmu``."""
-    if version not in engine.FMU:
-        raise BadInput(f"there is no FMI {version} here; use 2 or 3")
+    check_version(version)
     if choose_backend(backend, platforms, progress) == "python":
         if version != 2:
             raise BadInput(
@@ -119,6 +118,12 @@ def fmu_entries(
     targets = chosen(platforms)
     description = describe_fmu(facts, version=version)
     return description, _native_entries(facts, description, version, targets, progress)
+
+
+def check_version(version: int) -> None:
+    """Raises BadInput where there is no such version of FMI here."""
+    if version not in engine.FMU:
+        raise BadInput(f"there is no FMI {version} here; use 2 or 3")
 
 
 def fmu_sources(
@@ -173,6 +178,7 @@ def _variables_header(description: Description, guid: str) -> str:
         "/* For the log, which importers may format again: no per cent sign. */\n"
         f'#define DP_STATE_OF_FIT "{description.state.replace("%", "per cent")}"\n'
         f"#define DP_NV {len(rows)}\n"
+        f"#define DP_GIVEN {description.given}\n"
         f"#define DP_FORCE {description.place('input')}\n"
         f"#define DP_FORCE_RATE {_place(description, 'slope')}\n"
         f"#define DP_SMOOTHING_AT {_place(description, 'smoothing')}\n"

@@ -69,7 +69,7 @@ def model_description(
         events=len(description.ranges),
         source_files=source_files,
         python=python,
-        exchange=description.exchange and not python,
+        exchange=not python,
     )
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import textwrap
 import unicodedata
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,7 @@ from .description import Description, describe_fmu
 from .facts import Facts
 
 if TYPE_CHECKING:
-    from ..model import Oscillator, Parameter
+    from ..model import Oscillator, Parameter, Provenance, Range
 
 #: Internal steps in one call; the engine counts them in an int, which on a small machine ends at 32767.
 _MOST_STEPS = 30000
@@ -52,13 +53,17 @@ def export_plain_c(oscillator: Oscillator, path: str | Path) -> tuple[Path, Path
         BadInput: where a value of the model is not finite, the name cannot stand in an ``#include``, or the path
             cannot be written.
     """
+    return write_c(path, lambda header: plain_c(Facts(oscillator), header))
+
+
+def write_c(path: str | Path, made: Callable[[str], tuple[str, str]]) -> tuple[Path, Path]:
+    """Write source and header, whose texts are ``made`` for the name of the header; as ``export_plain_c``."""
     source = Path(path)
     header = source.with_suffix(".h")
     if not header.name.isprintable() or any(mark in header.name for mark in ('"', "\\", "??")):
         raise BadInput(f"{source}: this name cannot stand in an #include of C; choose letters, digits and hyphens")
-    texts = plain_c(Facts(oscillator), header.name)
     with together():
-        for target, text in zip((source, header), texts, strict=True):
+        for target, text in zip((source, header), made(header.name), strict=True):
             write(target, text)
     return source, header
 
@@ -68,24 +73,39 @@ def plain_c(facts: Facts, header: str) -> tuple[str, str]:
 
     Raises BadInput where a value of the model is not finite.
     """
-    oscillator, eq = facts.oscillator, facts.equations
-    description = describe_fmu(facts, payload=False)
+    oscillator, eq, description = facts.oscillator, facts.equations, describe_fmu(facts, payload=False)
+    words = _words(oscillator, description, eq)
+    return c_texts(header, description, eq, list(facts.values.values()), words)
+
+
+def c_texts(
+    header: str, description: Description, eq: Equations, numbers: Sequence[float], words: Mapping[str, Any]
+) -> tuple[str, str]:
+    """Text of the C source and of its header.
+
+    Args:
+        header: the name by which the source includes it.
+        description: the variables.
+        eq: the equations.
+        numbers: values of their parameters.
+        words: everything that a person reads: see ``c_words``.
+    """
     prefix = prefix_of(description.identifier)
     values: dict[str, Any] = {
         "id": prefix,
         "header": header,
         "most_steps": _MOST_STEPS,
-        "values": [repr(float(value)) for value in facts.values.values()],
+        "values": [repr(float(value)) for value in numbers],
         "longest": description.variables[description.reference("max_step")].start_text,
         "follows": ", ".join("-1" if leader is None else str(leader) for leader in eq.follows),
-        **_words(oscillator, description, eq),
+        **words,
     }
     struct, declarations = _engine_header()
-    numbers = {"DP_NZ": eq.z.numel(), "DP_NP": eq.p.numel(), "DP_NS": len(eq.kinds)}
-    declared = render_c("plain.h.j2", {**values, "members": Program(_sized(struct, numbers))})
+    sizes = {"DP_NZ": eq.z.numel(), "DP_NP": eq.p.numel(), "DP_NS": len(eq.kinds)}
+    declared = render_c("plain.h.j2", {**values, "members": Program(_sized(struct, sizes))})
     sources = engine.engine_texts() | {"engine.h": ""}
     parts = [
-        f"/* {comment(description.name)}: one oscillator in plain C, made by dashpot {__version__}. */\n"
+        f"/* {comment(description.name)}: one {words['thing']} in plain C, made by dashpot {__version__}. */\n"
         f'#include "{header}"\n',
         own(law_source(eq)),
         f"typedef {prefix}_model dp_engine;\n\n{own(declarations)}",
@@ -130,29 +150,57 @@ def _sized(struct: str, numbers: dict[str, int]) -> str:
 
 def _words(oscillator: Oscillator, description: Description, eq: Equations) -> dict[str, Any]:
     """Everything in the header that a person reads."""
-    words, parameters = oscillator.descriptions(), oscillator.parameters()
-    outputs = [v for v in description.variables if v.role == "output"]
+    outputs = [(v.name, v.unit, v.description) for v in description.variables if v.role == "output"]
+    unit = {v.index: v.unit for v in description.variables if v.role == "initial"}
+    about, words = _about(oscillator, description), oscillator.descriptions()
+    return {
+        **c_words(description, eq, about, oscillator.parameters(), words, outputs, [unit[i] for i in range(len(unit))]),
+        "thing": "oscillator",
+        "driven": "force",
+        "given": False,
+    }
+
+
+def c_words(
+    description: Description,
+    eq: Equations,
+    about: Sequence[str],
+    parameters: Mapping[str, Parameter],
+    words: Mapping[str, str],
+    outputs: Sequence[tuple[str, str, str]],
+    state_units: Sequence[str],
+) -> dict[str, Any]:
+    """What a person reads in the header of any model.
+
+    Args:
+        description: the variables.
+        eq: the equations.
+        about: what must be known of units and validity, one text a line or more.
+        parameters: by their names, ``words`` on each.
+        words: what each is.
+        outputs: name, unit and meaning of each.
+        state_units: of each state.
+    """
     lines = [comment(line) for line in description.equation.split("; ")]
     return {
         "name": description.name,
         "software": f"dashpot {__version__}",
         "equation": [piece for line in lines for piece in textwrap.wrap(line, _WIDTH, subsequent_indent="    ")],
-        "about": [piece for text in _about(oscillator, description) for piece in textwrap.wrap(comment(text), _WIDTH)],
+        "about": [piece for text in about for piece in textwrap.wrap(comment(text), _WIDTH)],
         "parameters": [
             (symbol, f"{_value(parameters[name])} {parameters[name].unit}: {words[name]}")
             for symbol, name in zip(symbols(list(parameters)), parameters, strict=True)
         ],
-        "states": list(zip(symbols(list(eq.state_names)), _states(description, eq), strict=True)),
+        "states": list(zip(symbols(list(eq.state_names)), _states(state_units, eq), strict=True)),
         "outputs": [
-            (symbol, f"{v.unit}: {v.description}")
-            for symbol, v in zip(symbols([v.name for v in outputs]), outputs, strict=True)
+            (symbol, f"{unit}: {text}")
+            for symbol, (_, unit, text) in zip(symbols([name for name, _, _ in outputs]), outputs, strict=True)
         ],
     }
 
 
-def _states(description: Description, eq: Equations) -> list[str]:
+def _states(unit: Sequence[str], eq: Equations) -> list[str]:
     """Unit of each state, and what its start value is where that is not the state itself."""
-    unit = {v.index: v.unit for v in description.variables if v.role == "initial"}
     comments = []
     for i, leader in enumerate(eq.follows):
         counted = "" if leader is None else f"; its start value is counted from the {eq.state_names[leader]}"
@@ -180,18 +228,23 @@ def _about(o: Oscillator, description: Description) -> list[str]:
         else "Forces inside the bracket are per unit mass."
     )
     unit = f"x, the displacement, in {length}; time in s; input F in {force.unit}: {force.description}."
-    ranges = [
-        f"{name} {r.min:.4g} to {r.max:.4g} {r.unit}"
-        for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
-        if r is not None
-    ]
-    valid = f"Valid for {' and '.join(ranges)}, which the recordings covered" if ranges else "Validity: not stated"
-    files = [str(r.get("file", "?")) for r in o.identified.recordings]
-    how = " ".join(part for part in ("by", o.identified.method, o.identified.software) if part)
-    origin = [f"Identified from {', '.join(files)}{'' if how == 'by' else ' ' + how}."] if files else []
+    valid, origin = valid_for({"amplitude": o.amplitude, "frequency": o.frequency}), origin_of(o.identified)
     noted = [f"Take note: {description.state}."] if description.state else []
     speed, acceleration = units.compose("X/s", length), units.compose("X/s2", length)
     return [f"{inside} {unit}", f"Velocity in {speed}, acceleration in {acceleration}. {valid}.", *origin, *noted]
+
+
+def valid_for(covered: Mapping[str, Range | None]) -> str:
+    """What the recordings covered, in words."""
+    ranges = [f"{name} {r.min:.4g} to {r.max:.4g} {r.unit}" for name, r in covered.items() if r is not None]
+    return f"Valid for {' and '.join(ranges)}, which the recordings covered" if ranges else "Validity: not stated"
+
+
+def origin_of(identified: Provenance) -> list[str]:
+    """What it was identified from, in a sentence; none where nobody says."""
+    files = [str(r.get("file", "?")) for r in identified.recordings]
+    how = " ".join(part for part in ("by", identified.method, identified.software) if part)
+    return [f"Identified from {', '.join(files)}{'' if how == 'by' else ' ' + how}."] if files else []
 
 
 def _value(parameter: Parameter) -> str:

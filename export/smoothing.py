@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -106,19 +106,19 @@ def surfaces(oscillator: Oscillator, eq: Equations, sample: Sample | None) -> li
     import casadi as ca
 
     amplitude = amplitude_of(oscillator)
-    texts = _texts(eq)
+    names = texts(eq)
     ranges = np.zeros(len(eq.kinds))
     if sample is not None and eq.kinds:
         values = ca.Function("g", [eq.z, eq.t, eq.u, eq.p], [signed(eq, eq.surfaces)])
         p = np.tile(np.array(list(oscillator.values().values()))[:, None], sample.t.size)
         g = np.array(values(sample.z, sample.t[None, :], sample.u[None, :], p))
         ranges = np.where(np.ptp(g, axis=1) > 0, np.ptp(g, axis=1) / 2, np.max(np.abs(g), axis=1))
-    surfaces = []
+    given, surfaces = _units(oscillator, eq), []
     for i, kind in enumerate(eq.kinds):
         size = float(ranges[i]) or 1.0
         if kind is not SurfaceKind.OTHER:
             size = amplitude * (oscillator.omega0.value if kind is SurfaceKind.VELOCITY else 1.0)
-        surfaces.append(Surface(texts[i], RELATIVE_WIDTH * size, _unit(oscillator, eq, eq.surfaces[i])))
+        surfaces.append(Surface(names[i], RELATIVE_WIDTH * size, unit_of(eq, eq.surfaces[i], given)))
     return surfaces
 
 
@@ -157,32 +157,33 @@ def motion_size(oscillator: Oscillator, eq: Equations, sampled: Callable[[], Sam
     return MotionSize(tuple(surfaces(oscillator, eq, sample)), tuple(nominals))
 
 
-def _texts(eq: Equations) -> list[str]:
-    """The surfaces as text, with the names of states and parameters."""
+def texts(eq: Equations, driven: str = "F") -> list[str]:
+    """The surfaces as text, with the names of states and parameters; ``driven`` is that of the input."""
     import casadi as ca
 
     states = ca.vertcat(*[ca.SX.sym(name) for name in ("x", "v", *eq.state_names[2:])])
     names = ca.vertcat(*[ca.SX.sym(name) for name in eq.parameter_names])
-    known, named = ca.vertcat(eq.z, eq.t, eq.u, eq.p), ca.vertcat(states, ca.SX.sym("t"), ca.SX.sym("F"), names)
+    known, named = ca.vertcat(eq.z, eq.t, eq.u, eq.p), ca.vertcat(states, ca.SX.sym("t"), ca.SX.sym(driven), names)
     return [str(ca.substitute(eq.surfaces[i], known, named)) for i in range(len(eq.kinds))]
 
 
-def _unit(oscillator: Oscillator, eq: Equations, surface: Expression) -> str:
-    """Unit of a surface, from how it grows when all in it is measured in other units; ``1`` where it is mixed."""
-    import casadi as ca
-
+def _units(oscillator: Oscillator, eq: Equations) -> list[str]:
+    """Units of states, time, force and parameters."""
     response = oscillator.response
     length = response.displacement_unit
     force = oscillator.force_unit if oscillator.mass is not None else units.compose("X/s2", length)
     inner = [units.compose(s.unit, length, oscillator.force_unit, response.unit) for s in eq.inner]
-    given = [
-        length,
-        units.compose("X/s", length),
-        *inner,
-        "s",
-        force,
-        *(p.unit for p in oscillator.parameters().values()),
-    ]
+    parameters = [p.unit for p in oscillator.parameters().values()]
+    return [length, units.compose("X/s", length), *inner, "s", force, *parameters]
+
+
+def unit_of(eq: Equations, surface: Expression, given: Sequence[str]) -> str:
+    """Unit of a surface, from how it grows when all in it is measured in other units; ``1`` where it is mixed.
+
+    ``given`` has the units of states, time, input and parameters, in this order.
+    """
+    import casadi as ca
+
     factors = [units.factors(unit) for unit in given]
     symbols = ca.vertcat(eq.z, eq.t, eq.u, eq.p, eq.s)
     value = ca.Function("g", [symbols], [surface])

@@ -169,9 +169,13 @@ class ForceElement:
         how = {"name": self.name, "progress": quietly, "seconds": seconds_allowed(seconds)}
         return diagnosed_element(training, held, **how)
 
-    def export(self, *paths: str | Path, progress: Say | None = None) -> tuple[Path, ...]:
-        """Write it as .fmu or .casadi, by the suffix, all or none; returns all files written. Raises BadInput."""
-        return exported_element(self.element, [path_of(path, "a file to export") for path in paths], progress=progress)
+    def export(self, *paths: str | Path, fmi: int = 2, progress: Say | None = None) -> tuple[Path, ...]:
+        """Write it as .fmu, .casadi or .c, by the suffix, all or none; returns all files written.
+
+        ``fmi`` is the version of FMI of an FMU, 2 or 3. Raises BadInput.
+        """
+        outputs = [path_of(path, "a file to export") for path in paths]
+        return exported_element(self.element, outputs, version=fmi, progress=progress)
 
     def save(self, path: str | Path) -> Path:
         """Write the file of the element; returns its path. Raises BadInput."""
@@ -318,7 +322,12 @@ def diagnosed_element(
 
 
 def exported_element(
-    element: Element, outputs: Sequence[Path], *, platforms: Any = None, progress: Say | None = None
+    element: Element,
+    outputs: Sequence[Path],
+    *,
+    version: int = 2,
+    platforms: Any = None,
+    progress: Say | None = None,
 ) -> tuple[Path, ...]:
     """Write an element in the form of each output's suffix, all or none; returns all files written. Raises BadInput."""
     from ..export import export_element
@@ -327,7 +336,7 @@ def exported_element(
     written: list[Path] = []
     with together():
         for output in outputs:
-            written += export_element(element, output, platforms=platforms, progress=progress)
+            written += export_element(element, output, version=version, platforms=platforms, progress=progress)
     return tuple(written)
 
 

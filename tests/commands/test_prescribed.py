@@ -145,9 +145,9 @@ def test_commands_of_oscillators_say_that_they_are(folder: Path, tmp_path: Path,
     assert ended("diagnose", made, folder / "plain.csv", "--response", "stroke_mm", "-o", tmp_path / "d") == 2
     assert "nobody says that its motion was prescribed" in capsys.readouterr().err
     assert ended("export", made, tmp_path / "a.ssp") == 2
-    assert "exported as .fmu and .casadi" in capsys.readouterr().err
-    assert ended("export", made, tmp_path / "a.fmu", "--fmi", "3") == 2
-    assert "--fmi 3 is of an oscillator" in capsys.readouterr().err
+    assert "exported as .fmu, .casadi and .c;" in capsys.readouterr().err
+    assert ended("export", made, tmp_path / "a.fmu", "--backend", "python") == 2
+    assert "--backend python is of an oscillator" in capsys.readouterr().err
 
 
 def test_python_has_the_same(folder: Path, tmp_path: Path) -> None:

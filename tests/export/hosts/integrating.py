@@ -51,15 +51,19 @@ class Model:
 
 
 class _Flow:
-    """The FMU within one sample interval, in which the force is a straight line."""
+    """The FMU within one sample interval, in which the force is a straight line, or all inputs what ``given`` says."""
 
-    def __init__(self, model: Model, inputs: list[int]) -> None:
-        self.model, self.inputs = model, inputs
+    def __init__(
+        self, model: Model, inputs: list[int], given: Callable[[float], Sequence[float]] | None = None
+    ) -> None:
+        self.model, self.inputs, self.given = model, inputs, given
         self.begin, self.value, self.rate = 0.0, 0.0, 0.0
 
     def at(self, t: float, x: np.ndarray) -> None:
         self.model.set_time(t)
-        if self.inputs:
+        if self.given is not None:
+            self.model.put(self.inputs, self.given(t))
+        elif self.inputs:
             self.model.put(self.inputs, [self.value + self.rate * (t - self.begin)])
         self.model.set_states(x.tolist())
 
@@ -109,6 +113,30 @@ def integrate(
             state = _interval(flow, k * dt + part * dt / steps, state, dt / steps)
         responses[k + 1] = model.take(outputs)[0]
     return responses
+
+
+def integrate_along(
+    model: Model,
+    inputs: list[int],
+    outputs: list[int],
+    given: Callable[[float], Sequence[float]],
+    dt: float,
+    n: int,
+    steps: int,
+) -> np.ndarray:
+    """(n, outputs) outputs at samples ``dt`` apart along inputs that are functions of time, by their references."""
+    model.enter_initialization()
+    model.put(inputs, given(0.0))
+    model.exit_initialization()
+    model.settle()
+    model.enter_continuous_time_mode()
+    flow, state, made = _Flow(model, inputs, given), np.array(model.states()), []
+    for k in range(n):
+        flow.at(k * dt, state)
+        made.append(model.take(outputs))
+        for part in range(steps):
+            state = _interval(flow, k * dt + part * dt / steps, state, dt / steps)
+    return np.array(made)
 
 
 def _interval(flow: _Flow, t: float, x: np.ndarray, h: float) -> np.ndarray:
