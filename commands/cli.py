@@ -358,9 +358,12 @@ def verify(
     time_limit: float,
     **options: Any,
 ) -> None:
-    """Run an FMU under FMPy with recorded forces, compare response and parameters; exit code 1 where they differ."""
+    """Run an FMU under FMPy with recorded forces, compare response and parameters; exit code 1 where they differ.
+
+    That of a force law by itself is run along the motion that --prescribed names, and its force is compared.
+    """
+    from ..face.element import verified
     from ..face.workflow import write_verification
-    from ..verify.verification import verify as check
 
     printed = json_file == Path("-")
     if figures and report is None:
@@ -377,7 +380,7 @@ def verify(
         else:
             click.echo(result.sentence())
 
-    result = check(fmu, read_all(recordings, options, say), limit=time_limit, progress=say, keep=keep)
+    result = verified(fmu, read_all(recordings, options, say), limit=time_limit, progress=say, keep=keep)
     if not result.passed:
         sys.exit(1)
 

@@ -131,7 +131,12 @@ def export(
     from ..model.file import load
 
     if is_element_file(model):
-        unusable = {"--as": form, "--dof": options["dof"], "--draws": draws, "--backend python": options["backend"] == "python"}
+        unusable = {
+            "--as": form,
+            "--dof": options["dof"],
+            "--draws": draws,
+            "--backend python": options["backend"] == "python",
+        }
         element_commands.export(model, outputs, options["version"], platform, unusable)
         return
     oscillator = load(model)

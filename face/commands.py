@@ -243,7 +243,7 @@ def verify(
     >>> dashpot.verify(fmu, decay).recordings[0].file
     'bursts.csv.gz'
     """
-    from ..verify.verification import verify as check
+    from ..prescribed.verified import verify as check
 
     return check(path_of(fmu, "an FMU"), read(*given, **options), limit=limit, progress=progress)
 

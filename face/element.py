@@ -22,6 +22,7 @@ from .workflow import FIGURES, Say, seconds_allowed, silent, write_figures
 if TYPE_CHECKING:
     from ..model.parameter import Parameter
     from ..prescribed.element_fit import ElementFit, ElementFound
+    from ..verify.verification import Verification
 
 
 def is_element_file(path: Path) -> bool:
@@ -176,6 +177,24 @@ class ForceElement:
         """
         outputs = [path_of(path, "a file to export") for path in paths]
         return exported_element(self.element, outputs, version=fmi, progress=progress)
+
+    def verify(
+        self,
+        *recordings: Any,
+        limit: float | None = None,
+        progress: Callable[[str], None] | None = None,
+        **options: Unpack[Reading],
+    ) -> Verification:
+        """The element as an FMU, run along each prescribed motion and compared; no file is left.
+
+        See ``dashpot.verify`` for arguments and errors.
+        """
+        from ..export import export_element
+        from ..prescribed.verified import verify
+
+        with TemporaryDirectory() as folder:
+            (path,) = export_element(self.element, Path(folder) / f"{self.name}.fmu")
+            return verify(path, recordings_of(*recordings, **options), limit=limit, progress=progress)
 
     def save(self, path: str | Path) -> Path:
         """Write the file of the element; returns its path. Raises BadInput."""
@@ -338,6 +357,13 @@ def exported_element(
         for output in outputs:
             written += export_element(element, output, version=version, platforms=platforms, progress=progress)
     return tuple(written)
+
+
+def verified(fmu: Path, recordings: Sequence[Recording], **how: Any) -> Verification:
+    """An FMU, of an oscillator or an element, held against recordings; see ``prescribed.verified.verify``."""
+    from ..prescribed.verified import verify
+
+    return verify(fmu, recordings, **how)
 
 
 def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str, float]:

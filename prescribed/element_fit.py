@@ -18,7 +18,6 @@ from ..model.element import Element
 from ..model.law import Law
 from ..model.library import find
 from ..model.oscillator import Range
-from ..model.units import compose
 from ..recording.checks import overlapping
 from ..recording.prescribed import refuse_free
 from ..recording.recording import Recording
@@ -26,7 +25,7 @@ from ..simulate.imposed import force_along
 from .columns import SEARCHED
 from .errors import element_of
 from .fit import Fitted, Problem
-from .motion import Imposed, imposed, origin_of
+from .motion import Imposed, imposed, origin_of, unit_of_motion
 from .search import Found, Search
 
 
@@ -172,18 +171,13 @@ def _motions(recordings: Sequence[Recording]) -> tuple[Imposed, ...]:
     for problem in overlapping(recordings):
         raise BadInput(problem.sentence)
     motions = tuple(imposed(recording) for recording in recordings)
-    units = {(_unit(r), r.force_unit) for r in recordings}
+    units = {(unit_of_motion(r), r.force_unit) for r in recordings}
     if len(units) > 1:
         raise BadInput(
             f"the recordings are in different units ({', '.join(' and '.join(pair) for pair in sorted(units))}); "
             "give them in one"
         )
     return motions
-
-
-def _unit(recording: Recording) -> str:
-    """Unit of the displacement."""
-    return compose("X.s" if recording.quantity == "velocity" else "X", recording.unit)
 
 
 def _force_law(name: str) -> Law:
@@ -215,7 +209,7 @@ def _again(fitted: Fitted, problem: Problem) -> Fitted:
 def _fit_of(fitted: Fitted, problem: Problem, recordings: Sequence[Recording], name: str) -> ElementFit:
     """The element, run along every motion."""
     first = recordings[0]
-    element = element_of(fitted, problem, name, (_unit(first), first.force_unit))
+    element = element_of(fitted, problem, name, (unit_of_motion(first), first.force_unit))
     forces, records = [], []
     for motion in problem.motions:
         force = force_along(element, motion.displacement, motion.dt, start=motion.start)

@@ -12,6 +12,7 @@ from ..identify.problem.segments import Segment, blank_of
 from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import numerics
 from ..identify.signals.signals import drive_of
+from ..model.units import compose
 from ..recording.recording import Recording
 from ..recording.resolution import rounding_noise
 from ..recording.smoothing import weights_of_polynomials, with_polynomials
@@ -150,6 +151,11 @@ def _smoothing(signal: np.ndarray, order: int) -> tuple[int, float]:
         found.append((float(np.mean(left**2)) / (1.0 - own) ** 2, span, own))
     foretold, span, own = min(found)
     return span, float(np.sqrt(foretold * (1.0 - own)))
+
+
+def unit_of_motion(recording: Recording) -> str:
+    """Unit of the displacement that a recording shows, or that follows from the velocity that it shows."""
+    return compose("X.s" if recording.quantity == "velocity" else "X", recording.unit)
 
 
 def origin_of(motions: Sequence[Imposed]) -> float:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from ..export.render import plain_text
 from ..identify.signals.hilbert import dominant_frequency
 from ..model.display import number, percent_text, times_text
+from ..model.equations import FORCE
 from ..model.fit_state import LACKING
 from .blocks import Block, Cell, Figure, Section, Table, Text
 from .comparison import Comparison
@@ -30,8 +31,9 @@ def verdict(shown: Sequence[Comparison]) -> Text:
     failed = [c for c in judged if not c.passed]
     if failed:
         worst = max(failed, key=lambda c: c.ratio if math.isfinite(c.nrmse) else math.inf)
+        what = FORCE if worst.response.quantity == FORCE else "motion"
         how = (
-            f"its simulation leaves {percent_text(100 * worst.nrmse)} of the motion of {worst.name}, "
+            f"its simulation leaves {percent_text(100 * worst.nrmse)} of the {what} of {worst.name}, "
             f"{times_text(worst.ratio)} times what noise explains"
             if math.isfinite(worst.nrmse)
             else f"its simulation of {worst.name} diverges"

@@ -33,7 +33,7 @@ class Run:
         """
         twin, piece = self.twin, self.piece
         moved = self.replay.response - self.replay.shown(piece.recording.dt)
-        root = _root(twin.covariance)
+        root = root_of(twin.covariance)
         for draw in range(count):
             values = twin.values
             if own:
@@ -47,7 +47,7 @@ class Run:
             yield response + piece.sensor * random.standard_normal(response.size)
 
 
-def _root(covariance: np.ndarray) -> np.ndarray:
+def root_of(covariance: np.ndarray) -> np.ndarray:
     """(k, k) whose product with its own transpose is the covariance, in the scale of each parameter."""
     size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
     scale = np.where(size > 0, size, 1.0)

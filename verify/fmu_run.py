@@ -21,8 +21,10 @@ from ..model.oscillator import HOLDS
 from ..model.yaml_loader import MAX_CHARACTERS, read_yaml
 from ..recording.recording import Recording
 from ..simulate.force import Force
+from ..simulate.imposed import spline_of
 from .fmu_process import TIME_LIMIT, FmuProcess
-from .model_inside import model_inside
+from .model_inside import element_inside, model_inside
+from .slave import MOTION
 from .unpack import stated_version, unpack
 
 #: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
@@ -83,7 +85,9 @@ class FmuStopped(BadInput):
 
 
 class FmuRun:
-    """A co-simulation FMU (FMI 2.0 or 3.0) with input ``F``, unpacked once and instantiated once, in its own process.
+    """A co-simulation FMU (FMI 2.0 or 3.0), unpacked once and instantiated once, in its own process.
+
+    It has an input ``F``, or the inputs of a motion that is given and the output ``F``.
 
     Args:
         fmu: the file.
@@ -130,6 +134,10 @@ class FmuRun:
         self.hold = _hold(self._folder / "resources" / "model.yaml")
         #: The model inside; None where it holds none.
         self.model = model_inside(self._folder / "resources" / "model.yaml")
+        #: The element inside, of an FMU whose motion is given; None where it holds none.
+        self.element = element_inside(self._folder / "resources" / "element.yaml")
+        #: Whether its motion is given.
+        self.moved = {v.name for v in variables if v.causality == "input"}.issuperset(MOTION)
         self._said: list[str] = []
 
     def _ask(self, head: dict[str, Any], numbers: bytes = b"", *, doing: str) -> tuple[dict[str, Any], bytes]:
@@ -137,7 +145,7 @@ class FmuRun:
         answer = self._process.ask(head, numbers, doing=doing)
         if "failed" in answer[0]:
             raise FmuStopped(
-                f"{self.path}: the FMU stopped ({answer[0]['failed']}) {doing}; check the units of the force",
+                f"{self.path}: the FMU stopped ({answer[0]['failed']}) {doing}; check the units",
                 np.frombuffer(answer[1], float).copy(),
             )
         return answer
@@ -215,7 +223,6 @@ class FmuRun:
         if force is not None and force.hold == "zero":
             jumps = np.ascontiguousarray(force.pieces[1:n, 0], float)
         head = {
-            "do": "record",
             "output": output or next(iter(self.outputs)),
             "given": given,
             "time": start,
@@ -225,7 +232,35 @@ class FmuRun:
             "pushed": pieces is not None,
             "jumps": jumps.size,
         }
-        head, numbers = self._ask(head, rows.tobytes() + jumps.tobytes(), doing="while it ran")
+        return self._recorded(head, rows.tobytes() + jumps.tobytes(), dt)
+
+    def force_along(self, displacement: np.ndarray, dt: float, start: float = 0.0) -> np.ndarray:
+        """(n,) the output F along the cubic spline through a displacement (n,), which is given to it.
+
+        Raises as ``record``.
+        """
+        velocity, acceleration = spline_of(displacement, dt)
+        rows = np.zeros((displacement.size - 1, len(MOTION) + self._orders))
+        rows[:, 0], rows[:, 1], rows[:, 2] = displacement[:-1], velocity[:-1], acceleration[:-1]
+        if self._orders:
+            rows[:, 3] = np.diff(acceleration) / dt
+        first = (displacement[0], velocity[0], acceleration[0])
+        head = {
+            "output": "F",
+            "given": {name: float(value) for name, value in zip(MOTION, first, strict=True)},
+            "time": start,
+            "n": displacement.size,
+            "step": dt,
+            "per_sample": 1,
+            "pushed": True,
+            "jumps": 0,
+        }
+        return self._recorded(head, rows.tobytes(), dt)
+
+    def _recorded(self, head: dict[str, Any], rows: bytes, dt: float) -> np.ndarray:
+        """(n,) what comes of a run at samples ``dt`` apart."""
+        n, start = head["n"], head["time"]
+        head, numbers = self._ask({"do": "record", **head}, rows, doing="while it ran")
         self._said += head["said"]
         out = np.frombuffer(numbers, float).copy()
         if out.size != n:
@@ -235,7 +270,7 @@ class FmuRun:
         if (bad := np.flatnonzero(~np.isfinite(out))).size:
             raise BadInput(
                 f"{self.path}: the FMU gives {out[bad[0]]} at {start + bad[0] * dt:.4g} s and says that all is well; "
-                "check its parameters and the units of the force"
+                "check its parameters and the units"
             )
         return out
 

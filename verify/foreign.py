@@ -81,7 +81,7 @@ class _Host:
         rows, jumps = np.frombuffer(numbers), None
         if head["jumps"]:
             rows, jumps = rows[: -head["jumps"]], rows[-head["jumps"] :].tolist()
-        table = rows.reshape(-1, 1 + self.slave.orders).tolist() if head["pushed"] else None
+        table = rows.reshape(-1, self.slave.columns).tolist() if head["pushed"] else None
         return run(self.slave, head, table, jumps).tobytes()
 
     def answer(self, head: dict[str, Any], numbers: bytes) -> None:

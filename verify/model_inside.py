@@ -15,6 +15,8 @@ import numpy as np
 from ..errors import BadInput
 from ..identify.problem.replay import Replay, natural_frequency
 from ..model import Oscillator
+from ..model.element import Element
+from ..model.element_file import load_element
 from ..model.file import load
 from ..model.oscillator import QUANTITIES
 from ..model.yaml_loader import MAX_CHARACTERS
@@ -34,7 +36,15 @@ def model_inside(file: Path) -> Oscillator | None:
         return None  # an FMU of another make may hold anything under that name
 
 
-def covariance_of(model: Oscillator, names: Sequence[str]) -> np.ndarray:
+def element_inside(file: Path) -> Element | None:
+    """The element of a file in an FMU; None where there is none, or it holds something else."""
+    try:
+        return load_element(file) if file.is_file() and file.stat().st_size <= MAX_CHARACTERS else None
+    except (OSError, BadInput):
+        return None
+
+
+def covariance_of(model: Oscillator | Element, names: Sequence[str]) -> np.ndarray:
     """(k, k) covariance of the parameters ``names`` in the model's units, as its file states it.
 
     Standard errors stand for what no covariance names; what has neither is taken for exact.

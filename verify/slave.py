@@ -14,6 +14,8 @@ import numpy as np
 from ..errors import BadInput
 from ..export.platforms import library_for_here
 
+#: Inputs of an FMU whose motion is given; the last is the one that runs in curves or lines.
+MOTION = ("displacement", "velocity", "acceleration")
 #: What is kept of an FMU that never stops talking.
 _MOST_SAID, _LONGEST_SAID = 1000, 2000
 
@@ -31,6 +33,7 @@ class Slave(ABC):
 
     Attributes:
         orders: derivatives of the input that a step takes; 0 where the input is held.
+        columns: numbers that a step takes: of a motion that is given its place, the input and its derivatives.
         fmu: FMPy's own object.
         said: messages of the FMU, the first ``_MOST_SAID`` of them.
         made: steps made so far.
@@ -38,7 +41,10 @@ class Slave(ABC):
 
     def __init__(self, description: Any, folder: str, library: Path | None) -> None:
         self._variables = {v.name: v.valueReference for v in description.modelVariables}
-        self._rate = self._variables.get("F_rate")
+        moved = is_moved(description)
+        self._driven = MOTION[-1] if moved else "F"
+        self._places = [self._variables[name] for name in MOTION[:-1]] if moved else []
+        self._rate = self._variables.get(f"{self._driven}_rate")
         self.orders = 0 if self._rate is None else 1
         self.fmu = self._made()(
             guid=description.guid,
@@ -54,7 +60,7 @@ class Slave(ABC):
         except Exception as problem:
             raise BadInput(self.said[-1] if self.said else str(problem)) from problem
         output = next(v for v in description.modelVariables if v.causality == "output")
-        self._here = (ctypes.c_uint * 1)(self._variables["F"])
+        self._here = (ctypes.c_uint * 1)(self._variables[self._driven])
         self.show(output.name)
         self._value = (ctypes.c_double * 1)()
         self._fresh = True
@@ -77,8 +83,24 @@ class Slave(ABC):
     def _begin(self, time: float, values: Mapping[int, float]) -> None:
         """Initialize at a time with values by their references."""
 
-    @abstractmethod
+    @property
+    def columns(self) -> int:
+        """Numbers of a row."""
+        return len(self._places) + 1 + self.orders
+
     def push(self, row: Sequence[float]) -> None:
+        """What is given at the start of the next step: so many numbers as there are ``columns``."""
+        if self._places:
+            self.put(self._places, row[: len(self._places)])
+            row = row[len(self._places) :]
+        self.drive(row)
+
+    @abstractmethod
+    def put(self, references: Sequence[int], values: Sequence[float]) -> None:
+        """Set variables by their references."""
+
+    @abstractmethod
+    def drive(self, row: Sequence[float]) -> None:
         """The input at the start of the next step and its derivatives, as many as ``orders``."""
 
     @abstractmethod
@@ -117,7 +139,7 @@ class Slave2(Slave):
         self._curved = bool(description.coSimulation.canInterpolateInputs)
         if self._curved:
             self.orders = 3 if "dashpot" in (description.generationTool or "") else 1
-            self._references = (ctypes.c_uint * self.orders)(*[self._variables["F"]] * self.orders)
+            self._references = (ctypes.c_uint * self.orders)(*[self._variables[self._driven]] * self.orders)
             self._order = (ctypes.c_int * self.orders)(*range(1, self.orders + 1))
             self._slopes = (ctypes.c_double * self.orders)()
 
@@ -142,7 +164,11 @@ class Slave2(Slave):
         self.fmu.setReal(list(values), list(values.values()))
         self.fmu.exitInitializationMode()
 
-    def push(self, row: Sequence[float]) -> None:
+    def put(self, references: Sequence[int], values: Sequence[float]) -> None:
+        """By the version's call."""
+        self.fmu.setReal(references, values)
+
+    def drive(self, row: Sequence[float]) -> None:
         """The input, and its derivatives where the FMU takes them."""
         fmu = self.fmu
         self._value[0] = row[0]
@@ -165,7 +191,7 @@ class Slave2(Slave):
 
 
 class Slave3(Slave):
-    """FMI 3.0: the slope of the input is an input of its own, ``F_rate``."""
+    """FMI 3.0: the slope of the input is an input of its own, ``F_rate`` or ``acceleration_rate``."""
 
     @staticmethod
     def _made() -> Any:
@@ -181,9 +207,13 @@ class Slave3(Slave):
         self.fmu.setFloat64(list(values), list(values.values()))
         self.fmu.exitInitializationMode()
 
-    def push(self, row: Sequence[float]) -> None:
+    def put(self, references: Sequence[int], values: Sequence[float]) -> None:
+        """By the version's call."""
+        self.fmu.setFloat64(references, values)
+
+    def drive(self, row: Sequence[float]) -> None:
         """The input, and its derivatives where the FMU takes them."""
-        references = [self._variables["F"]] if self._rate is None else [self._variables["F"], self._rate]
+        references = [self._here[0]] if self._rate is None else [self._here[0], self._rate]
         self.fmu.setFloat64(references, row[: len(references)])
 
     def step(self, time: float, length: float) -> None:
@@ -221,6 +251,12 @@ def opened(folder: Path, shown: str) -> tuple[Any, Slave]:
             f"{shown}: it does not load on this machine ({_said(problem, folder, shown)}); export it here again"
         ) from problem
     return description, made
+
+
+def is_moved(description: Any) -> bool:
+    """Whether the motion is given to it, and a force F comes out."""
+    inputs = {variable.name for variable in description.modelVariables if variable.causality == "input"}
+    return inputs.issuperset(MOTION)
 
 
 def described(folder: Path, shown: str) -> Any:

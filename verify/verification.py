@@ -25,7 +25,7 @@ from ..identify.signals.signals import noise_levels
 from ..model import Response
 from ..model.show import finite
 from ..recording.given import recordings_of
-from ..recording.prescribed import refuse_prescribed
+from ..recording.prescribed import refuse_free, refuse_prescribed
 from ..recording.recording import Recording
 from ..recording.units import find_unit
 from .backbones import Backbone, Compared, compared
@@ -43,7 +43,7 @@ NOISE_RATIO = 1.1
 #: Draws of noise that the model's core runs through ...
 DRAWS = 40
 #: ... and that an FMU does where no core stands in for it: each costs a call a sample.
-_DRAWS_OF_FMU = 8
+DRAWS_OF_FMU = 8
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -150,6 +150,7 @@ def verify(
     limit: float | None = None,
     progress: Callable[[str], None] | None = None,
     keep: Callable[[Verification], None] = lambda _: None,
+    imposed: Callable[[FmuRun, Recording, float], RecordingCheck] | None = None,
 ) -> Verification:
     """Run the FMU with the force of each recording and compare response, backbone and parameters.
 
@@ -161,6 +162,7 @@ def verify(
         limit: longest time, s, that the FMU may take without finishing a step; None: TIME_LIMIT.
         progress: called with one line per recording.
         keep: called with the result before the FMU is ended, which may take it seconds.
+        imposed: checks a recording against the FMU of a force law by itself: see ``prescribed/verified.py``.
 
     Raises:
         BadInput: where the file is no such FMU, or it cannot simulate, or none of its outputs has a recording's unit.
@@ -168,10 +170,13 @@ def verify(
     checks = []
     progress = progress or (lambda _: None)
     recordings = recordings_of(recordings)
-    refuse_prescribed(recordings)
     with FmuRun(Path(fmu), limit=TIME_LIMIT if limit is None else limit) as run:
-        for recording in held_as(recordings, run.hold):
-            check = _check(run, recording, noise_ratio)
+        if run.moved and imposed is None:
+            raise BadInput(f"{fmu}: holds a force law by itself, which is not run here; dashpot verify takes it")
+        (refuse_free if run.moved else refuse_prescribed)(recordings)
+        checked = imposed if imposed is not None and run.moved else _check
+        for recording in recordings if run.moved else held_as(recordings, run.hold):
+            check = checked(run, recording, noise_ratio)
             progress(
                 f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}, "
                 f"limit {check.nrmse_limit:.3g}"
@@ -195,14 +200,14 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     spread = float(np.std(measured))
     if not spread > 0:
         raise BadInput(f"{recording.name}: the response does not move; there is nothing to compare with")
-    count = DRAWS if all(one.twin.values.size for one in runs) else _DRAWS_OF_FMU
+    count = DRAWS if all(one.twin.values.size for one in runs) else DRAWS_OF_FMU
     noise = powers(runs, count, own=False)
     drawn = noise if all(one.twin.exact for one in runs) else powers(runs, count, own=True)
     nrmse = float(np.sqrt(np.mean((simulated - measured) ** 2))) / spread
     floor = float(np.sqrt(np.mean(noise))) / spread
     limit = noise_ratio * float(np.sqrt(by_chance(drawn))) / spread
     backbones = [pair for place, one in enumerate(runs) for pair in compared(one, place)]
-    failed = _of_size(nrmse, floor, limit) + _of_backbones(backbones, recording)
+    failed = of_size(nrmse, floor, limit) + _of_backbones(backbones, recording)
     score = None
     if not failed and run.model is not None and count == DRAWS:
         score = score_of(run.model, recording)
@@ -226,7 +231,7 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     )
 
 
-def _of_size(nrmse: float, floor: float, limit: float) -> list[str]:
+def of_size(nrmse: float, floor: float, limit: float) -> list[str]:
     """The sentence of what is left, where that is more than chance."""
     if nrmse <= limit:
         return []

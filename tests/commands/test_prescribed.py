@@ -169,7 +169,9 @@ def test_python_has_the_same(folder: Path, tmp_path: Path) -> None:
         dashpot.identify(folder / "one.csv", prescribed="stroke_mm")
 
 
-def test_look_shows_a_prescribed_motion_and_verify_refuses_one(folder: Path, tmp_path: Path, capsys) -> None:
+def test_look_shows_a_prescribed_motion_and_an_oscillator_is_not_verified_by_one(
+    folder: Path, tmp_path: Path, capsys
+) -> None:
     assert ended("look", folder / "plain.csv", "--prescribed", "stroke_mm", "--json") == 0
     ((recording,),) = [entry["recordings"] for entry in json.loads(capsys.readouterr().out)]
     assert recording["motion"] == "prescribed"
@@ -185,3 +187,21 @@ def test_look_shows_a_prescribed_motion_and_verify_refuses_one(folder: Path, tmp
     )[0]
     assert ended("verify", fmu, folder / "plain.csv", "--prescribed", "stroke_mm") == 2
     assert "its motion was prescribed" in capsys.readouterr().err
+
+
+def test_the_fmu_of_an_element_is_verified_along_recorded_motions(folder: Path, tmp_path: Path, capsys) -> None:
+    made, fmu, told, how = tmp_path / "strut.yaml", tmp_path / "strut.fmu", tmp_path / "v.json", "--prescribed"
+    assert ended("identify", folder / "plain.csv", how, "stroke_mm", "-o", made, "-q") == 0
+    assert ended("export", made, fmu, "-q") == 0
+    page = ("--report", tmp_path / "v.html")
+    assert ended("verify", fmu, folder / "plain.csv", how, "stroke_mm", "--json", told, *page) == 0
+    assert "strut.fmu reproduces 1 recording(s) to within their noise" in capsys.readouterr().out
+    (one,) = json.loads(told.read_text())["recordings"]
+    assert one["pass"] is True
+    assert one["nrmse"] < one["nrmse_limit"]
+    assert ended("verify", fmu, folder / "one.csv", how, "stroke_mm") == 1
+    assert "strut.fmu does not reproduce one.csv" in capsys.readouterr().out
+    assert ended("verify", fmu, folder / "plain.csv", "--response", "stroke_mm") == 2
+    assert "nobody says that its motion was prescribed" in capsys.readouterr().err
+    check = dashpot.load_element(made).verify(folder / "plain.csv", prescribed="stroke_mm")
+    assert check.passed
