@@ -165,7 +165,13 @@ def hilbert(
     help="Parameter that keeps a value, in SI; several times.",
 )
 @click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
-@click.option("--from", "start", type=FILE, metavar="MODEL.yaml", help="Model to start from, with its laws.")
+@click.option(
+    "--from",
+    "start",
+    type=FILE,
+    metavar="MODEL.yaml",
+    help="Model to start from, with its laws; or a damper measured by itself (identify --prescribed).",
+)
 @click.option(
     "--faults",
     is_flag=True,

@@ -75,7 +75,7 @@ def identify(
     laws: Sequence[str] | str = (),
     fixed: Mapping[str, float] | None = None,
     mass: float | None = None,
-    start: Model | Oscillator | str | Path | None = None,
+    start: Model | Oscillator | ForceElement | str | Path | None = None,
     mode: str | float | None = None,
     faults: bool = False,
     every: bool = False,
@@ -90,7 +90,8 @@ def identify(
         laws: names of laws of the library to fit beside Eq. 17, docs/laws.md.
         fixed: parameters that keep a value, by name, in SI.
         mass: kg, where only decays were recorded or it is known.
-        start: model to start from, with its laws.
+        start: model to start from, with its laws; or a damper or spring measured by itself (``load_element``), whose
+            further laws then keep their values, divided by the mass (but for those that ``laws`` names).
         mode: which of several modes, by its number or its frequency in Hz.
         faults: whether to ask what the measuring chain did to a recording, where more than noise is left.
         every: whether cubic, preload and dry stay where the recordings do not tell them from none.
@@ -112,6 +113,8 @@ def identify(
         text_of(name, "the name of the rig")
     if fixed is not None and not isinstance(fixed, Mapping):
         raise BadInput(f'fixed is such as {{"mass": 0.27}}, not {shown(fixed)}')
+    from .element import begun_by
+
     say = progress or silent
     found = identified(
         lambda: read(*given, **options),
@@ -119,7 +122,7 @@ def identify(
         laws=[laws] if isinstance(laws, str) else several_of(laws, "laws"),
         fixed=fixed,
         mass=mass,
-        start=None if start is None else oscillator_of(start),
+        start=None if start is None else begun_by(start),
         mode=mode_text(mode),
         faults=faults,
         every=every,

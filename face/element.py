@@ -20,9 +20,11 @@ from ..recording import Reading, Recording, recordings_of
 from .workflow import FIGURES, Say, seconds_allowed, silent, write_figures
 
 if TYPE_CHECKING:
+    from ..model.oscillator import Oscillator
     from ..model.parameter import Parameter
     from ..prescribed.element_fit import ElementFit, ElementFound
     from ..verify.verification import Verification
+    from .model import Model
 
 
 def is_element_file(path: Path) -> bool:
@@ -41,6 +43,19 @@ def load_element(path: str | Path) -> ForceElement:
     from ..model.element_file import load_element as load
 
     return ForceElement(load(path_of(path, "the file of an element")))
+
+
+def begun_by(start: Model | Oscillator | ForceElement | Element | str | Path) -> Oscillator | Element:
+    """What an identification starts from: a model or an element, or that of a file; raises BadInput for others."""
+    from .model import oscillator_of
+
+    if isinstance(start, ForceElement):
+        return start.element
+    if isinstance(start, Element):
+        return start
+    if isinstance(start, str | Path) and is_element_file(path := Path(path_of(start, "a model file"))):
+        return load_element(path).element
+    return oscillator_of(start)
 
 
 def write_element(fit: ElementFit, model: Path, report: Path | None = None, figures: str | None = None) -> list[Path]:

@@ -11,8 +11,10 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
     from ..identify.identification import Identification
     from ..model import Oscillator
+    from ..model.element import Element
     from ..recording import Recording
     from ..report.blocks import Page
     from ..verify.verification import Verification
@@ -75,7 +78,7 @@ def identified(
     laws: Sequence[str] = (),
     fixed: Mapping[str, float] | None = None,
     mass: float | None = None,
-    start: Oscillator | Path | None = None,
+    start: Oscillator | Element | Path | None = None,
     mode: str | None = None,
     faults: bool = False,
     every: bool = False,
@@ -91,7 +94,9 @@ def identified(
     from ..identify.identification import identify
     from ..identify.motion.modes import mode_beside
     from ..identify.of_base import of_base
-    from ..model.file import check_name, load
+    from ..model.element import Element
+    from ..model.element_file import is_element, load_element
+    from ..model.file import check_name, load, text_at
     from ..model.library import find
     from ..model.limits import checked_value
 
@@ -106,25 +111,43 @@ def identified(
     effects = [find(law).name for law in laws]
     if twice := sorted({law for law in effects if effects.count(law) > 1}):
         raise BadInput(f"the law {twice[0]!r} is named twice; name each law once")
-    begin = load(start) if isinstance(start, Path) else start
+    if isinstance(start, Path):
+        start = load_element(start) if is_element(text_at(start)) else load(start)
+    element = start if isinstance(start, Element) else None
+    begin = None if isinstance(start, Element) else start
+    own = set() if element is None else {term.effect for term in element.terms}
     recordings = read()
     _each_once(recordings)  # the modes of thirty copies take a quarter of a minute
     alone, band, wanted = mode_beside(recordings, mode, begin, notes)
 
-    def answer(given: Sequence[Recording]) -> Identification:
+    def answer(
+        given: Sequence[Recording],
+        start: Oscillator | None = begin,
+        kept: Mapping[str, float] = MappingProxyType({}),
+        doubted: bool = True,
+    ) -> Identification:
         return identify(
             given,
             name=name or _stem(recordings),
-            effects=effects,
-            fixed=known,
-            start=begin,
+            effects=[law for law in effects if law not in own],
+            fixed={**kept, **known},
+            start=start,
             band=band,
             wanted=wanted,
+            doubted=doubted,
             faults=faults,
             every=every,
             progress=progress,
         )
 
+    if element is not None:
+        from ..identify.from_element import identify_from
+
+        moved = any(recording.base for recording in alone)
+        if moved:
+            known.pop("mass", None)  # it divides the element's forces; what drives the rig is per unit mass
+        found = identify_from(element, alone, partial(answer, alone), mass=mass, freed=own.intersection(effects))
+        return replace(found, oscillator=replace(found.oscillator, mass=None)) if moved else found
     found = answer(alone)
     return of_base(found, answer) if any(recording.base for recording in recordings) else found
 

@@ -182,7 +182,7 @@ def identify(
         give_back_at_once()
     progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
-    estimate = _hilbert_model(hilbert, recordings, name)
+    estimate = estimated(hilbert, recordings, name)
     base = estimate if start is None else replace(start, name=name)
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
         recordings = held_as(recordings, start.hold)
@@ -350,11 +350,11 @@ def _modes_left(fit: Fit, recordings: Sequence[Recording]) -> str | None:
 def _alone(recordings: Sequence[Recording]) -> Fit:
     """Eq. 17 of some recordings, from starts of their own."""
     hilbert = hilbert_start(recordings)
-    model = _hilbert_model(hilbert, recordings, "alone")
+    model = estimated(hilbert, recordings, "alone")
     return maximum_likelihood(model, recordings, doubted=False, others=lambda: _plain(model, hilbert, recordings))
 
 
-def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
+def estimated(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
     """Eq. 17 with the values estimated from the recordings."""
     first = recordings[0]
     known = {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")}

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from dashpot.commands import cli
 from dashpot.examples.specimens import Specimen, motion, recorded
-from dashpot.model.element_file import load_element
+from dashpot.model.element import Element
+from dashpot.model.element_file import load_element, save_element
+from dashpot.model.library import find
 
 FS = 120.0
 MEMBERS = {"stiffness": 9e3, "viscous": 700.0, "dry": 35.0, "load": 120.0}
@@ -148,6 +150,25 @@ def test_commands_of_oscillators_say_that_they_are(folder: Path, tmp_path: Path,
     assert "exported as .fmu, .casadi and .c;" in capsys.readouterr().err
     assert ended("export", made, tmp_path / "a.fmu", "--backend", "python") == 2
     assert "--backend python is of an oscillator" in capsys.readouterr().err
+
+
+def test_a_rig_is_identified_with_a_damper_that_was_measured_by_itself(tmp_path: Path, capsys) -> None:
+    t = np.arange(1600) / 200.0
+    decay = 0.02 * np.exp(-1.2 * t) * np.cos(2 * np.pi * 4.0 * t)
+    rig, damper = tmp_path / "rig.csv", tmp_path / "damper.yaml"
+    noisy = decay + 1e-5 * np.random.default_rng(0).standard_normal(t.size)
+    np.savetxt(rig, np.column_stack([t, 1e3 * noisy]), "%.9g", ",", header="time_s,x_mm", comments="")
+    drag = {"quadratic-drag.coefficient": 1e-3}
+    save_element(Element.from_values({"viscous": 20.0} | drag, name="damper", laws=[find("quadratic-drag")]), damper)
+    assert ended("identify", rig, "--from", damper, "-o", tmp_path / "m.yaml") == 2
+    assert "give it with --mass" in capsys.readouterr().err
+    assert ended("identify", rig, "--from", damper, "--mass", "10", "-o", tmp_path / "m.yaml") == 0
+    assert "quadratic-drag of damper keeps its values, forces divided by 10 kg" in capsys.readouterr().err
+    model = dashpot.load(tmp_path / "m.yaml")
+    assert model["quadratic-drag.coefficient"].value == pytest.approx(1e-4)
+    assert model["viscous"].value == pytest.approx(2.4, rel=0.01)
+    again = dashpot.identify(rig, start=dashpot.load_element(damper), mass=10.0)
+    assert again["viscous"].value == pytest.approx(model["viscous"].value)
 
 
 def test_python_has_the_same(folder: Path, tmp_path: Path) -> None:
