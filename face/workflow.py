@@ -99,6 +99,7 @@ def identified(
     from ..model.file import check_name, load, text_at
     from ..model.library import find
     from ..model.limits import checked_value
+    from ..prescribed.looks_imposed import looks_imposed
 
     fixed = fixed or {}
     known = {**fixed, **({} if mass is None else {"mass": mass})}
@@ -149,7 +150,10 @@ def identified(
         found = identify_from(element, alone, partial(answer, alone), mass=mass, freed=own.intersection(effects))
         return replace(found, oscillator=replace(found.oscillator, mass=None)) if moved else found
     found = answer(alone)
-    return of_base(found, answer) if any(recording.base for recording in recordings) else found
+    if any(recording.base for recording in recordings):
+        return of_base(found, answer)
+    said = looks_imposed(found)
+    return found if said is None else replace(found, notes=(said, *found.notes))
 
 
 def _each_once(recordings: Sequence[Recording]) -> None:

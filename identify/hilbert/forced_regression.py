@@ -145,7 +145,7 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
         raise BadInput("The regression finds no positive stiffness: check that force and response belong together.")
     grid, rows, squared = grid[good], rows[good], squared[good]
     omega0 = np.sqrt(squared)
-    squared_std = np.sqrt(np.einsum("ij,jk,ik->i", rows, result.covariance[k, k], rows))
+    squared_std = _errors(rows, result.covariance[k, k])
     d = slice(1 + len(backbone), None)
     rows = damping_basis(grid / level, omega0 * grid / top_speed).T
     return ForcedRegression(
@@ -155,10 +155,16 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
         omega0=omega0,
         damping=rows @ result.value[d] / 2,
         omega0_std=squared_std / (2 * omega0),
-        damping_std=np.sqrt(np.einsum("ij,jk,ik->i", rows, result.covariance[d, d], rows)) / 2,
+        damping_std=_errors(rows, result.covariance[d, d]) / 2,
         per_point=len(backbone) / grid.size,
         misfit=result.residual,
     )
+
+
+def _errors(rows: np.ndarray, covariance: np.ndarray) -> np.ndarray:
+    """(n,) standard errors along rows (n, k); infinite where rounding has left nothing of a variance."""
+    variance = np.einsum("ij,jk,ik->i", rows, covariance, rows)
+    return np.where(variance > 0.0, np.sqrt(np.maximum(variance, 0.0)), np.inf)
 
 
 def _more_than_enough(displacement: Signal, drive: Signal) -> int:
