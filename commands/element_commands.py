@@ -72,7 +72,7 @@ def diagnose(
 ) -> None:
     """Ask which laws an element lacks, and write what was found; arguments as of ``dashpot diagnose``."""
     from ..diagnose.files import DIAGNOSIS, MODEL, REPORT, check_folder
-    from ..face.element import diagnosed_element, load_element, write_element_diagnosis
+    from ..face.element import diagnosed_element, fmu_of, load_element, write_element_diagnosis
 
     check_folder(output)
     outputs_checked([output / name for name in (DIAGNOSIS, MODEL, REPORT)], [model, *recordings, *holdout])
@@ -80,7 +80,7 @@ def diagnose(
     training, held = read_all(recordings, options, say), read_all(holdout, options, say)
     with progress_shown() as progress:
         told = diagnosed_element(training, held, name=name, progress=progress, seconds=seconds)
-    written = write_element_diagnosis(output, told.found, figures)
+    written = write_element_diagnosis(output, told.found, fmu_of(told.found.best.element), figures)
     if as_json:
         print_json(told.as_json)
     else:

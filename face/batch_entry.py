@@ -26,6 +26,7 @@ from ..fleet.kept_files import DIAGNOSIS
 from ..fleet.manifest import Entry
 from ..fleet.outcome import Outcome
 from ..fleet.store import Busy, Store
+from . import batch_element
 from .workflow import diagnosed, identified, page_of_diagnosis, read_all
 
 if TYPE_CHECKING:
@@ -33,13 +34,14 @@ if TYPE_CHECKING:
 
     from ..identify.identification import Identification
     from ..model import Oscillator
+    from ..model.element import Element
     from ..recording import Recording
 
 MODEL, REPORT = "model.yaml", "report.html"
 #: Parts of a picture of the motion.
 _PARTS = 60
 _READ = {"max_size": 500.0, "calibration": {}} | dict.fromkeys(
-    ("time", "force", "quantity", "unit", "force_unit", "fs", "part", "hold", "base", "relative")
+    ("time", "force", "quantity", "unit", "force_unit", "fs", "part", "hold", "base", "relative", "prescribed")
 )
 
 
@@ -145,8 +147,14 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     _with_laws(entry)
     said: list[str] = []
     how = entry.how
+
+    def read() -> list[Recording]:
+        return _recordings(entry, entry.recordings, said.append)
+
+    if entry.reading.get("prescribed"):
+        return batch_element.identified(entry, key, read, said, model=MODEL, report=REPORT)
     found = identified(
-        lambda: _recordings(entry, entry.recordings, said.append),
+        read,
         name=entry.name,
         laws=how["with"],
         fixed=how["fix"],
@@ -160,7 +168,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     unexplained = [] if found.unexplained is None else [found.unexplained]
     more = [*left_over(model), *unexplained] if most is None else beyond(model, parse_most_left(most))
     unfit = bool(more or found.useless or found.modes_left)
-    page, without = _page(how["report"], lambda: identification_page(found, files=(MODEL,)).html)
+    page, without = page_or_why(how["report"], lambda: identification_page(found, files=(MODEL,)).html)
     picture, left = _picture(found)
     outcome = Outcome(
         key=key,
@@ -168,7 +176,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
         state="doubtful" if unfit or found.faults else "good",
         sentence=_sentence(found, more),
         wanted=how["diagnose"] == "always" or (unfit and how["diagnose"] == "unfit"),
-        parameters=_parameters(model),
+        parameters=parameters_of(model),
         recordings=tuple(dict(r) for r in model.identified.recordings),
         model=MODEL,
         picture=picture,
@@ -185,7 +193,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     return outcome, files
 
 
-def _page(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]:
+def page_or_why(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]:
     """A page, and what is to be said where there is none: a model is worth more than its picture."""
     if not wanted:
         return None, []
@@ -208,11 +216,13 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
     from ..model.file import load
 
     _with_laws(entry)
-    model = load(place / MODEL)
     said: list[str] = []
     training, held = (_recordings(entry, files, said.append) for files in (entry.recordings, entry.holdout))
+    if entry.reading.get("prescribed"):
+        return batch_element.diagnosed(entry, before, training, held)
+    model = load(place / MODEL)
     found, fmu = diagnosed(model, training, held, mode=entry.how["mode"], notes=said.append)
-    page, without = _page(True, lambda: page_of_diagnosis(found, fmu).html)
+    page, without = page_or_why(True, lambda: page_of_diagnosis(found, fmu).html)
     whole = found.remainder is None
     state = "good" if found.verdict == "consistent" else "mended" if found.mended and whole else "doubtful"
     outcome = replace(
@@ -224,7 +234,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
         attempts=0,
         verdict=found.verdict,
         effects=tuple(effect.effect for effect in found.effects),
-        parameters=_parameters(found.model) if found.mended else before.parameters,
+        parameters=parameters_of(found.model) if found.mended else before.parameters,
         model=f"{DIAGNOSIS}/{MENDED}" if found.mended else before.model,
         page=before.page if page is None else f"{DIAGNOSIS}/{PAGE}",
         notes=tuple(dict.fromkeys([*before.notes, *found.notes, *without])),
@@ -236,7 +246,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
     return outcome, written
 
 
-def _parameters(model: Oscillator) -> dict[str, dict[str, Any]]:
+def parameters_of(model: Oscillator | Element) -> dict[str, dict[str, Any]]:
     """Value, standard error and unit of each parameter; what is not finite is not known."""
     return {
         name: {
@@ -258,7 +268,12 @@ def _picture(found: Identification) -> tuple[tuple[float, ...], tuple[float, ...
     for part in found.fit.segments:
         if part.segment.recording == 0:
             left[part.segment.start : part.segment.stop] = part.segment.response - part.simulated
-    sizes = _sizes(motion)
+    return picture_of(motion, left)
+
+
+def picture_of(signal: np.ndarray, left: np.ndarray) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The size of a signal (n,) in each part of its time, 0 to 1, and of what is left of it (n,)."""
+    sizes = _sizes(signal)
     scale = float(sizes.max()) or 1.0
     return _shown(sizes / scale), _shown(_sizes(left) / scale)
 

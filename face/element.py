@@ -76,20 +76,30 @@ def write_element(fit: ElementFit, model: Path, report: Path | None = None, figu
     return drawn
 
 
-def write_element_diagnosis(folder: Path, found: ElementFound, figures: str | None = None) -> list[Path]:
-    """Write a diagnosis, its page and the mended element into a folder, all or none; returns the paths."""
-    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT
+def fmu_of(element: Element) -> bytes | None:
+    """Its FMU; None where no compiler is, for all else is worth having."""
+    from ..diagnose.files import FMU
     from ..errors import ToolchainMissing
     from ..export import export_element
+
+    with TemporaryDirectory() as scratch, suppress(ToolchainMissing, BadInput):
+        return export_element(element, Path(scratch) / FMU)[0].read_bytes()
+    return None
+
+
+def write_element_diagnosis(
+    folder: Path, found: ElementFound, made: bytes | None, figures: str | None = None
+) -> list[Path]:
+    """Write a diagnosis, its page and the mended element into a folder, all or none; returns the paths.
+
+    ``made`` is the FMU of the best element, see ``fmu_of``.
+    """
+    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT
     from ..files.writing import remove, together, write
     from ..model.element_file import dumps
     from ..prescribed.tell import as_json
     from ..report.element_page import element_diagnosis_page
 
-    with TemporaryDirectory() as scratch:
-        made: bytes | None = None
-        with suppress(ToolchainMissing, BadInput):  # no compiler: all else is worth having
-            made = export_element(found.best.element, Path(scratch) / FMU)[0].read_bytes()
     page = element_diagnosis_page(found, files=(DIAGNOSIS, MODEL, *([FMU] if made else [])))
     texts: dict[str, str | bytes | None] = {
         DIAGNOSIS: json.dumps(as_json(found), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
@@ -338,7 +348,7 @@ class ElementDiagnosis:
 
         target = path_of(folder, "a folder")
         check_folder(target)
-        return write_element_diagnosis(target, self.found)
+        return write_element_diagnosis(target, self.found, fmu_of(self.found.best.element))
 
 
 def diagnosed_element(

@@ -12,7 +12,8 @@ from ..errors import BadInput
 from ..files.reading import content_of
 from ..model import Oscillator
 from ..model.consistency import suggestion
-from ..model.file import load
+from ..model.element_file import is_element
+from ..model.file import load, text_at
 from .kept_files import changed_file
 from .manifest import instant
 from .sealed_json import unsealed
@@ -48,6 +49,9 @@ def lives_of(
             if entry["model"] is None:
                 say(f"note: {entry['name']} has no model ({entry['result']}) and is left out")
                 continue
+            if _is_law(entry):
+                say(f"note: {entry['name']} is a force law by itself, whose life is not told, and is left out")
+                continue
             model = load(entry["model"])
             point = Point(entry["name"], model, entry.get("state"), entry.get("when"))
             rigs.setdefault(entry["rig"], []).append(point)
@@ -77,7 +81,7 @@ def repeats_of(places: Sequence[Path]) -> list[list[Oscillator]]:
             groups.setdefault(("", "", ""), []).append(load(place))
             continue
         for entry in _entries(place):
-            if entry["model"] is not None and entry.get("state") is not None:
+            if entry["model"] is not None and entry.get("state") is not None and not _is_law(entry):
                 key = (str(place), entry["rig"], entry["state"])
                 groups.setdefault(key, []).append(load(entry["model"]))
     found = [group for group in groups.values() if len(group) > 1]
@@ -127,6 +131,11 @@ def _entries(folder: Path, say: Callable[[str], None] = lambda _: None) -> list[
     for entry in value["entries"]:
         entry["model"] = _model_of(store, entry) if entry["key"] else None
     return value["entries"]
+
+
+def _is_law(entry: Mapping[str, Any]) -> bool:
+    """Whether a row is of a force law by itself, whose motion was prescribed."""
+    return is_element(text_at(entry["model"]))
 
 
 def _model_of(store: Store, entry: Mapping[str, Any]) -> Path | None:

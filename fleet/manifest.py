@@ -29,7 +29,7 @@ _PATTERN = re.compile(r"[*?\[]")
 #: Options of the manifest that say how a recording is read, as ``recording.read`` has them.
 READING = (
     *("time", "force", "quantity", "unit", "force_unit", "calibration"),
-    *("fs", "part", "max_size", "hold", "base", "relative"),
+    *("fs", "part", "max_size", "hold", "base", "relative", "prescribed"),
 )
 
 
@@ -202,6 +202,12 @@ def _sound(options: Mapping[str, Any], place: tuple[str | int, ...], document: D
     ]
     if options.get("max_left") is not None:
         checks.append(lambda: parse_most_left(options["max_left"]))
+    if options.get("prescribed"):
+        for key in ("fix", "mass", "start", "mode", "faults", "max_left"):
+            if options.get(key):
+                name = {"start": "from", "max_left": "max-left"}.get(key, key)
+                both = f"{name!r} is of an oscillator, and 'prescribed' of a force law by itself"
+                document.report(place, f"{both}; leave one of them out")
     for check in checks:
         try:
             check()

@@ -1,0 +1,72 @@
+"""Entries of a fleet whose motion was prescribed: identified, diagnosed, on the overview."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot.commands import cli
+from dashpot.errors import BadInput
+from dashpot.examples.specimens import Specimen, motion, recorded
+from dashpot.fleet.manifest import read_manifest
+from dashpot.model.element_file import load_element
+
+FS = 120.0
+MEMBERS = {"stiffness": 9e3, "viscous": 700.0, "dry": 35.0}
+
+
+def table(
+    folder: Path, name: str, law: str, numbers: dict[str, float], kind: str = "sweep", level: float = 1.0
+) -> None:
+    specimen = Specimen(MEMBERS, law, numbers)
+    made = recorded(specimen, motion(kind, 6e-3 * level, 2.0, FS, 8.0), FS, noise=3e-3, motion_noise=2e-5, seed=1)
+    columns = np.column_stack([made.time, made.force, 1e3 * np.asarray(made.response)])
+    np.savetxt(folder / name, columns, "%.9g", ",", header="time_s,force_N,stroke_mm", comments="")
+
+
+def ended(*arguments: object) -> int | str | None:
+    try:
+        cli.main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        return stop.code
+    return 0
+
+
+def test_dampers_stand_beside_each_other_with_what_they_lack(tmp_path: Path, capsys) -> None:
+    table(tmp_path, "plain.csv", "", {})
+    table(tmp_path, "drag.csv", "quadratic-drag", {"coefficient": 1.5e4})
+    table(tmp_path, "drag_slow.csv", "quadratic-drag", {"coefficient": 1.5e4}, "sines", 0.7)
+    (tmp_path / "fleet.yaml").write_text(
+        "format: dashpot-fleet/1\ndefaults: {prescribed: stroke_mm}\nrigs:\n"
+        "  - {name: plain, recordings: plain.csv}\n"
+        "  - {name: drag, recordings: [drag.csv, drag_slow.csv]}\n"
+    )
+    out = tmp_path / "out"
+    assert ended("batch", tmp_path / "fleet.yaml", "-o", out, "-q") == 0
+    with (out / "fleet.csv").open(newline="") as content:
+        rows = {row["name"]: row for row in csv.DictReader(content)}
+    assert rows["plain"]["result"] == "good"
+    assert rows["plain"]["viscous.unit"] == "N.s/m"
+    assert float(rows["plain"]["viscous"]) == pytest.approx(700.0, rel=0.02)
+    assert rows["drag"]["result"] == "mended"
+    assert rows["drag"]["effects"] == "quadratic-drag"
+    assert "plain" in (out / "index.html").read_text()
+    (kept,) = (out / "results").glob("drag-*")
+    assert load_element(kept / "diagnosis" / "model.yaml").terms[0].effect == "quadratic-drag"
+    assert (kept / "diagnosis" / "report.html").exists()
+    assert (kept / "report.html").exists()
+    capsys.readouterr()
+    assert ended("watch", out) == 2
+    assert "plain is a force law by itself, whose life is not told" in capsys.readouterr().err
+
+
+def test_options_of_an_oscillator_are_refused_in_the_manifest(tmp_path: Path) -> None:
+    table(tmp_path, "plain.csv", "", {})
+    path = tmp_path / "fleet.yaml"
+    path.write_text(
+        "format: dashpot-fleet/1\nrigs:\n  - {name: a, recordings: plain.csv, prescribed: stroke_mm, mass: 2.0}\n"
+    )
+    with pytest.raises(BadInput, match="'mass' is of an oscillator, and 'prescribed' of a force law by itself"):
+        read_manifest(path)
