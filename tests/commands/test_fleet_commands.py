@@ -104,13 +104,13 @@ def test_what_cannot_be_done_is_said_and_nothing_written(capsys, stand, monkeypa
 
 
 def test_a_model_is_kept_where_its_page_cannot_be_made():
-    from dashpot.face.batch_entry import _page
+    from dashpot.face.batch_entry import page_or_why
 
     def broken():
         raise ValueError("no picture")
 
-    page, notes = _page(True, broken)
+    page, notes = page_or_why(True, broken)
     assert page is None
     assert notes[0].startswith("there is no page: this is a fault of dashpot")
-    assert _page(False, broken) == (None, [])
-    assert _page(True, lambda: "a page") == ("a page", [])
+    assert page_or_why(False, broken) == (None, [])
+    assert page_or_why(True, lambda: "a page") == ("a page", [])
