@@ -39,8 +39,8 @@ _ANGLES = numerics(
     why="more than twice three times the highest order that meets the cubic, so that none folds onto another",
 )
 _ROUNDS = budget(8, "rounds", why="it ends where a round changes less than ``_DONE``")
-_DONE = numerics(1e-8, "of the force of the spring", why="what a round changes below that is no error of any curve")
-_A_CYCLE = numerics(4, "instants a cycle", why="harmonics change as slowly as the amplitude")
+_DONE = numerics(1e-6, "of the force of the spring", why="what a round changes below that is no error of any curve")
+_A_CYCLE = numerics(2, "instants a cycle", why="harmonics change as slowly as the amplitude")
 
 
 def further_harmonics(stretch: Stretch, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:

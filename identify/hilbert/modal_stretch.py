@@ -335,6 +335,9 @@ def with_ends(signal: AnalyticSignal, fs: float) -> AnalyticSignal:
 # The noise of low-passed curves, point against point: white in the samples, it is anything but white in a curve.
 
 _A_CYCLE = numerics(2, "points a cycle", why="both low-passes together pass nothing faster than the frequency itself")
+_QUADRATURE = numerics(
+    10, "samples between points", why="sums of kernels are exact with: they and what they weigh are smooth over a cycle"
+)
 _OWN = numerics(
     1e-3,
     "part of the variance of a point",
@@ -395,18 +398,21 @@ def curve_noise(
     from scipy.linalg import cholesky_banded
 
     step = max(1, round(stretch.signal.period / _A_CYCLE))
-    points = np.arange(0, stretch.clear.size, step)
+    thin = max(1, round(step / _QUADRATURE))
+    apart_by = _QUADRATURE if thin > 1 else step  # in samples of the sums
+    points = np.arange(0, stretch.clear.size, thin * apart_by)
     used = stretch.clear[points]
-    moved, drive = _rows(stretch, points, equation, amplitude, squared, damping, inverse_mass)
+    moved, drive = _rows(stretch, points, thin, equation, amplitude, squared, damping, inverse_mass)
     width = moved.shape[1]
-    bands = np.zeros((min(1 + (width - 1) // step, points.size), points.size))
+    bands = np.zeros((min(1 + (width - 1) // apart_by, points.size), points.size))
     for rows, noise in ((moved, stretch.noise), (drive, stretch.force_noise)):
         if rows is None:
             continue
         rows = np.where(used[:, None], rows, 0.0)
         for apart in range(len(bands)):
-            shared = rows[: points.size - apart, apart * step :] * rows[apart:, : width - apart * step]
-            bands[apart, : points.size - apart] += noise**2 * np.sum(shared, axis=1)
+            shift = apart * apart_by
+            shared = np.einsum("ij,ij->i", rows[: points.size - apart, shift:], rows[apart:, : width - shift])
+            bands[apart, : points.size - apart] += thin * noise**2 * shared
     bands[0] = np.where(used, (1 + _OWN) * bands[0], 1.0)
     scale = 1 / np.sqrt(bands[0])
     for apart in range(len(bands)):
@@ -420,27 +426,37 @@ def curve_noise(
 def _rows(
     stretch: Stretch,
     points: np.ndarray,
+    thin: int,
     equation: np.ndarray,
     amplitude: np.ndarray,
     squared: np.ndarray,
     damping: np.ndarray,
     inverse_mass: float,
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """How the noise of the samples about each point enters it: (q, samples) of displacement and of force."""
-    s, low = stretch.signal, stretch.low_pass_kernel
-    at = stretch.inside.start + points[:, None] + np.arange(low.size)
+    """How the noise of each `thin`-th sample about each point enters it: (q, samples) of displacement and of force."""
+    s, fs = stretch.signal, stretch.fs
+    low, of_low = _every(stretch.low_pass_kernel, thin)
+    kernels = [_every(kernel, thin)[0] for kernel in blackman(s.kernel)]
+    of_kernel = _every(blackman(s.kernel)[0], thin)[1]
+    middle = stretch.inside.start + stretch.low_pass_kernel.size // 2 + points[:, None]
+    at = middle + of_low
+    samples = middle + thin * np.arange((of_low[0] - of_kernel[-1]) // thin, (of_low[-1] - of_kernel[0]) // thin + 1)
     first, zeroth = stretch.of_displacement(squared, damping)
-    kernels, half = blackman(s.kernel), blackman(s.kernel)[0].size // 2
-    samples = stretch.inside.start + points[:, None] - half + np.arange(low.size + 2 * half)
     inside = np.clip(samples, 0, s.time.size - 1)
     back = np.exp(s.undecay * s.time - 1j * s.carrier)[inside] * (samples == inside)
 
     def spread(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-        return convolved(low * (weights / s.slow)[at], kernel[::-1], "full")
+        return convolved(thin * low * (weights / s.slow)[at], kernel[::-1], "full")
 
-    fs = stretch.fs
     moved = spread(equation * zeroth + amplitude, kernels[0]) + spread(equation * first, kernels[1]) * fs
     moved = moved + spread(equation, kernels[2]) * fs**2
     if stretch.ratio is None:
         return 2 * np.real(moved * back), None
     return 2 * np.real(moved * back), 2 * np.real(spread(-inverse_mass * equation, kernels[0]) * back)
+
+
+def _every(kernel: np.ndarray, thin: int) -> tuple[np.ndarray, np.ndarray]:
+    """Each `thin`-th weight of a kernel (k,) from its middle on either side, for as many, and its place beside it."""
+    half = kernel.size // 2
+    places = np.arange(-(half // thin), (kernel.size - 1 - half) // thin + 1) * thin
+    return kernel[half + places], places
