@@ -33,8 +33,8 @@ def smooth_stretches(
 
     ``tangent_alone``: whether only those count in which the tangent is that of a jump, and no run near it tells of it.
 
-    Of each segment the longest smooth stretch of at least ``FEWEST_SWINGS`` cycles is kept; where that is not all of
-    it, its initial state is taken from the simulation. A segment of fewer cycles, as of a hammer's blow, which alone
+    Of each segment that smooth stretch of at least ``FEWEST_SWINGS`` cycles is kept which tells most of the parameters (a
+    rest, however long, tells nothing); where that is not all of it, its initial state is taken from the simulation. A segment of fewer cycles, as of a hammer's blow, which alone
     says the mass, is kept whole where its jumps say next to nothing. Where nothing smooth is left at all, everything
     stays as it was.
     """
@@ -46,13 +46,13 @@ def smooth_stretches(
     found = problem.map(
         lambda i: _of_segment(problem, i, state, rows[i], sizes, tangent_alone), range(len(problem.segments))
     )
-    jumps, false, information = zip(*found, strict=True)
+    stretches, false, information = zip(*found, strict=True)
     say_little = np.all(np.array(false) <= FALSE_INFORMATION * np.sum(information, axis=0), axis=1)
     kept: list[Segment] = []
     initial: list[np.ndarray] = []
     for i, segment in enumerate(problem.segments):
         cycle = segment.cycle
-        begin, end = _longest(~jumps[i])
+        begin, end = stretches[i]
         if (begin == 0 and end == segment.n) or (say_little[i] and segment.n < FEWEST_SWINGS * cycle):
             kept.append(segment)
             initial.append(state.initial[i])
@@ -67,9 +67,9 @@ def smooth_stretches(
 
 def _of_segment(
     problem: OutputError, i: int, state: State, rows: np.ndarray, sizes: np.ndarray, tangent_alone: bool
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(n,) where the response's derivative along all parameters jumps, and (k,) each one's information there and
-    elsewhere."""
+) -> tuple[tuple[int, int], np.ndarray, np.ndarray]:
+    """The stretch to keep of a segment, and (k,) each parameter's information where the response's derivative along all
+    of them jumps, and elsewhere."""
     segment = problem.segments[i]
     own = problem.sides(i)
     base = problem.simulate(i, state, sides=own)
@@ -103,7 +103,7 @@ def _of_segment(
         np.array([np.sum(np.square(row[where], dtype=float)) for row in rows[: len(sizes)]]) / power
         for where in (found, slice(None))
     )
-    return found, there, whole - there
+    return _most_telling(~found, rows[: len(sizes)], FEWEST_SWINGS * segment.cycle), there, whole - there
 
 
 def _jumps(apart: np.ndarray, effect: np.ndarray, cycle: int, visible: float) -> np.ndarray:
@@ -122,14 +122,22 @@ def _jumps(apart: np.ndarray, effect: np.ndarray, cycle: int, visible: float) ->
     return apart > effect
 
 
-def _longest(good: np.ndarray) -> tuple[int, int]:
-    """Start and end of the longest run of True."""
+def _most_telling(good: np.ndarray, rows: Sequence[np.ndarray], fewest: float) -> tuple[int, int]:
+    """Start and end of that run of True, among those of so many samples, that has most of what each row (n,) tells.
+
+    Of rows that tell nothing, and where all runs are shorter, it is the longest.
+    """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]])))
     if edges.size == 0:
         return 0, 0
     starts, ends = edges[::2], edges[1::2]
-    longest = int(np.argmax(ends - starts))
-    return int(starts[longest]), int(ends[longest])
+    lengths = ends - starts
+    told = np.zeros(starts.size)
+    for row in rows:
+        telling = np.concatenate([[0.0], np.cumsum(np.square(row, dtype=float))])
+        told += (telling[ends] - telling[starts]) / max(float(telling[-1]), np.finfo(float).tiny)
+    best = int(np.lexsort((lengths, told, lengths >= fewest))[-1])
+    return int(starts[best]), int(ends[best])
 
 
 def left_out(before: Sequence[Segment], after: Sequence[Segment], names: Sequence[str]) -> list[str]:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.identify.problem.jumps import _jumps, _longest, left_out, smooth_stretches
+from dashpot.identify.problem.jumps import _jumps, _most_telling, left_out, smooth_stretches
 
 N, CYCLE = 400, 20
 
@@ -38,11 +38,15 @@ def test_what_rounding_makes_is_no_jump(visible, jumps):
     assert bool(np.any(jumping(1.0, visible=visible - 1e-3))) is jumps
 
 
-def test_the_longest_run_is_kept():
+def test_the_run_that_tells_most_is_kept():
     good = np.array([1, 1, 0, 1, 1, 1, 0, 1], bool)
-    assert _longest(good) == (3, 6)
-    assert _longest(np.ones(4, bool)) == (0, 4)
-    assert _longest(np.zeros(4, bool)) == (0, 0)
+    silent, loud = np.zeros(8), np.array([0, 0, 0, 0, 0, 0, 0, 9.0])
+    assert _most_telling(good, [silent], 0) == (3, 6)  # none tells anything: the longest
+    assert _most_telling(good, [np.ones(8)], 0) == (3, 6)
+    assert _most_telling(good, [np.ones(8), loud], 0) == (7, 8)
+    assert _most_telling(good, [np.ones(8), loud], 2) == (3, 6)  # the last is too short
+    assert _most_telling(np.ones(4, bool), [np.ones(4)], 2) == (0, 4)
+    assert _most_telling(np.zeros(4, bool), [np.ones(4)], 2) == (0, 0)
 
 
 class Segment(SimpleNamespace):
