@@ -42,6 +42,11 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
         help="Whether the response is relative to the base. Default: by the signals.",
     ),
     click.option(
+        "--through",
+        type=click.Choice(["spring", "damper"]),
+        help="What the base moves one end of, where all else stands between the thing and the ground.",
+    ),
+    click.option(
         "--prescribed",
         metavar="COLUMN",
         help="Column of a motion that was imposed, as in a test machine: the force law itself is then identified.",

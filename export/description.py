@@ -185,7 +185,10 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
         if oscillator.is_base_driven:
             text = "minus the acceleration of the base; the response is relative to the base"
         force = replace(force, unit=acceleration, description=text)
-    elif oscillator.hold != "smooth":
+    elif through := oscillator.driven_through:
+        what = "displacement" if through == "spring" else "velocity"
+        force = replace(force, description=f"{what} of what moves the other end of the {through} that drives it")
+    if oscillator.mass is not None and oscillator.hold != "smooth":
         force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")
     descriptions, bounds = oscillator.descriptions(), oscillator.bounds()
     known, state_units = Knowns(eq), [length, speed, *_inner_units(oscillator, eq)]

@@ -21,7 +21,7 @@ _MARKS = {"free": "━", "struck": "╍", "driven": "┄"}  # under it, where a 
 _NAMED = 4  # pieces of a kind are named with their times
 _OPTIONS = (
     *("time", "force", "quantity", "unit", "force_unit", "calibration"),
-    *("fs", "hold", "base", "relative", "prescribed"),
+    *("fs", "hold", "base", "relative", "through", "prescribed"),
 )
 
 

@@ -168,9 +168,9 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
             f"{oscillator.response.quantity} in {oscillator.response.unit}; "
             "say what the column is with --quantity and --unit"
         )
-    if measured.base and not oscillator.takes_acceleration:  # which per unit mass is the same equation
+    if measured.rides and not oscillator.takes_acceleration:  # which per unit mass is the same equation
         oscillator = replace(oscillator, mass=None)
-    if oscillator.mass is None and not measured.base and measured.force is not None and np.any(measured.force):
+    if oscillator.mass is None and not measured.rides and measured.force is not None and np.any(measured.force):
         if not (force_is_silent(measured) and find_decays(measured)):
             raise BadInput(
                 f"{measured.name}: driven, and {oscillator.name} has no mass to tell what a force does: identify it "

@@ -46,7 +46,7 @@ def model_html(o: Oscillator, notes: Sequence[str], picture: Callable[[], str]) 
     parts = [f"<p><b>{escape(o.name)}</b>: <i>{escape(o.equation())}</i></p>"]
     parts.append(_table(parameter_cells(o)))
     if machine := machine_table(o):
-        parts.append(_table(machine, "As the machine has it"))
+        parts.append(_table(machine, f"As the machine has it{o.over_what_drives}"))
     parts += [f"<p>{escape(line)}</p>" for line in (*_left(o), *notes[:_NOTES], *_more(notes))]
     with suppress(BadInput):  # where no amplitudes are known to draw over
         parts.append(picture())

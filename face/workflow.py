@@ -144,15 +144,15 @@ def identified(
     if element is not None:
         from ..identify.from_element import identify_from
 
-        moved = any(recording.base for recording in alone)
+        moved = any(recording.rides for recording in alone)
         if moved:
             known.pop("mass", None)  # it divides the element's forces; what drives the rig is per unit mass
         found = identify_from(element, alone, partial(answer, alone), mass=mass, freed=own.intersection(effects))
         return replace(found, oscillator=replace(found.oscillator, mass=None)) if moved else found
     found = answer(alone)
-    if any(recording.base for recording in recordings):
+    if any(recording.rides for recording in recordings):
         return of_base(found, answer)
-    said = looks_imposed(found)
+    said = None if any(recording.base for recording in recordings) else looks_imposed(found)
     return found if said is None else replace(found, notes=(said, *found.notes))
 
 
@@ -237,7 +237,7 @@ def diagnosed(
 
     _each_once([*training, *held])
     mass = oscillator.mass
-    whole = any(r.base for r in (*training, *held)) and (mass is None or not oscillator.takes_acceleration)
+    whole = any(r.rides for r in (*training, *held)) and (mass is None or not oscillator.takes_acceleration)
     if whole:
         oscillator = replace(oscillator, mass=Parameter(1.0, None, "1"))
     elif mass is not None:

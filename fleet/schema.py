@@ -36,6 +36,7 @@ class OptionsForm(Form):
     hold: Literal["zero", "linear", "smooth"] | None = None
     base: _Word | None = None
     relative: bool | None = None
+    through: Literal["spring", "damper"] | None = None
     prescribed: _Word | None = None
     laws_beside: list[_Word] | None = Field(default=None, alias="with")
     fix: dict[str, float] | None = None

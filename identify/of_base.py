@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def taking_part(recordings: Sequence[Recording]) -> list[Recording]:
     """The same recordings, where what a base moves takes part in that by a factor."""
-    return [changed(recording, base=PART) if recording.base else recording for recording in recordings]
+    return [changed(recording, base=PART) if recording.rides else recording for recording in recordings]
 
 
 def of_base(found: Identification, answer: Callable[[list[Recording]], Identification]) -> Identification:

@@ -216,6 +216,20 @@ class Oscillator:
         return self.mass is None and self.takes_acceleration
 
     @property
+    def driven_through(self) -> str:
+        """"spring" or "damper", where its input is the displacement or velocity of what moves the other end of one."""
+        length = self.response.displacement_unit
+        through = {length: "spring", units.compose("X/s", length): "damper"}
+        return through.get(self.force_unit, "") if length in ("m", "rad") else ""
+
+    @property
+    def over_what_drives(self) -> str:
+        """What the machine's own quantities are over, where a spring or damper drives it; else empty."""
+        of = {"spring": "stiffness", "damper": "damping"}
+        through = self.driven_through
+        return f", over the {of[through]} of the {through} that drives it" if through else ""
+
+    @property
     def why_no_mass(self) -> str:
         """Why there is no mass."""
         return "its base moves it, which tells no mass" if self.is_base_driven else "only free decays were fitted"
@@ -258,7 +272,7 @@ class Oscillator:
 
     def descriptions(self) -> dict[str, str]:
         """What each parameter is, in words."""
-        descriptions = {} if self.mass is None else {"mass": "moving mass"}
+        descriptions = {} if self.mass is None else {"mass": f"moving mass{self.over_what_drives}"}
         for law in BASE:
             descriptions.update({p.name: p.description for p in law.parameters})
         for term in self.terms:

@@ -27,7 +27,7 @@ def describe(oscillator: Oscillator) -> str:
     o = oscillator
     equation = o.equation().replace("; ", "\n  ")
     parts = [f"{o.name}\n\n  {equation}", "Parameters\n" + "\n".join(_table(o))]
-    parts.append("As the machine has it\n" + "\n".join(columns_text(machine_table(o))))
+    parts.append(f"As the machine has it{o.over_what_drives}\n" + "\n".join(columns_text(machine_table(o))))
     for term in o.terms:
         parts.append(f"{term.effect} ({term.law.path})\n  {term.law.sentence}")
     strong = [f"  {first} and {second}: {value:+.3f}" for first, second, value in strong_correlations(o)]

@@ -2,7 +2,11 @@
 
 Seen from the base, ``z = x - u``, a mass on springs and dampers between the two obeys the same equation, with minus the
 base's acceleration as the force per unit mass: ``z'' + ... = -u''`` (Den Hartog 1956, 2.13). So the mass itself is not
-told. What is between the mass and the ground is not of this kind.
+told.
+
+What the base moves may also be one end of a spring, or of a damper, while all else stands between mass and ground. The
+response is then that over the ground, ``x'' + ... = (k/m) u`` or ``(c/m) u'``, and the base's displacement or velocity
+takes the place of the force; what identification calls the mass is m/k, or m/c.
 
 Of a base's displacement or velocity what does not stand out of its noise is taken away, and the rest differentiated
 through polynomials over windows (Savitzky, Golay 1964): noise would be amplified. An acceleration is taken as it is.
@@ -15,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from .recording import QUANTITIES
+from .recording import QUANTITIES, SPRING, THROUGH, WHOLE
 from .smoothing import weights_of_polynomials, with_polynomials
 
 _ORDER = 6  # of the polynomials
@@ -35,15 +39,19 @@ class Seen:
 
     Attributes:
         response: (n,) relative to the base.
-        force: (n,) minus the base's acceleration.
+        force: (n,) minus the base's acceleration; its displacement or velocity, where that drives through one thing.
         noise: standard deviation of white noise on that which has, where the rig answers, the density of what it has.
         said: what is to be said.
+        per_time: what the unit of the force has behind that of length or angle.
+        base: as ``Recording.base`` has it.
     """
 
     response: np.ndarray
     force: np.ndarray
     noise: float
     said: str
+    per_time: str = "/s2"
+    base: str = WHOLE
 
 
 def derivative(signal: np.ndarray, fs: float, order: int, highest: float = 0.5) -> np.ndarray:
@@ -137,20 +145,9 @@ def seen_from_base(
         BadInput: the base does not move, cannot be brought to the response's quantity, or whether the response is
             relative is not told.
     """
-    with np.errstate(over="ignore"):
-        finite = bool(np.isfinite(np.sum(base**2)))
-    if not finite:
-        raise BadInput(
-            f"{where}: the base holds values that are not a number, or larger than any motion; choose another column "
-            "with --base"
-        )
-    if not np.ptp(base) > 0.0:
-        raise BadInput(f"{where}: the base does not move; choose another column with --base, or leave it out (none)")
-    if not np.ptp(response) > 0.0:
-        raise BadInput(f"{where}: the response is {response[0]:g} throughout; check the sensor, or choose --response")
-    if np.array_equal(response, base):
-        raise BadInput(f"{where}: the response is the motion of the base; choose another column with --response")
+    _moves(where, response, base)
     shown, moved = QUANTITIES.index(quantity), QUANTITIES.index(of_base)
+    recorded = base
     noise, highest = 0.0, 0.5  # an acceleration drives as it is, and shows its noise itself
     if moved < 2:
         noise, highest = _noise(base), highest_of(base)
@@ -158,6 +155,7 @@ def seen_from_base(
     force = -derivative(base, fs, 2 - moved, highest)
 
     def seen(motion: np.ndarray, said: str) -> Seen:
+        said = f"{said}; what drives it is minus the base's acceleration, which tells no mass"
         return Seen(motion, force, noise * _pace(motion, shown, fs) ** (2 - moved), said)
 
     if relative is True:
@@ -171,21 +169,73 @@ def seen_from_base(
     if relative is False:
         return seen(same, "the response was taken relative to the moving base")
     over_ground, already = (_left(one, shown, force, fs) for one in (same, response))
+    if moved == 0 and _CLEARER * max(_left(response, shown, recorded, fs, scaled=True), _TOLD) < min(over_ground, already):
+        return driven_through(where, fs, response, recorded, of_base, SPRING)
     if max(over_ground, already) < _CLEARER * max(min(over_ground, already), _TOLD):
         raise BadInput(
             f"{where}: whether the response is relative to its base is not told by the signals; state --relative or "
-            "--absolute"
+            "--absolute or, where the base moves one end of a spring or damper and nothing else, --through"
         )
     if over_ground < already:
         return seen(same, "the response is over the ground, by the signals, and was taken relative to the moving base")
     return seen(response, "the response is relative to the moving base, by the signals")
 
 
-def _left(response: np.ndarray, shown: int, force: np.ndarray, fs: float) -> float:
+def driven_through(
+    where: str, fs: float, response: np.ndarray, base: np.ndarray, of_base: str, through: str
+) -> Seen:
+    """The response over the ground, and what drives it through a spring or a damper whose other end the base moves.
+
+    Args:
+        where: name for messages.
+        fs: Hz.
+        response, base: (n,), in SI units.
+        of_base: what the latter measures.
+        through: "spring" or "damper".
+
+    Raises:
+        BadInput: the base does not move, or what was recorded of it cannot be brought to what drives.
+    """
+    _moves(where, response, base)
+    moved, wanted = QUANTITIES.index(of_base), THROUGH.index(through)
+    if moved > wanted:
+        raise BadInput(
+            f"{where}: a {through} passes on the {QUANTITIES[wanted]} of the base, and its {of_base} was recorded; give a "
+            f"column of its {' or its '.join(QUANTITIES[: wanted + 1])} with --base"
+        )
+    if moved < wanted:
+        highest = highest_of(base)
+        base = derivative(denoised(base, highest), fs, 1, highest)
+    said = (
+        f"the base moves one end of a {through}, and all else stands between the thing and the ground; the "
+        f"{QUANTITIES[wanted]} of the base is in place of a force, and mass is what this {through} moves, over its "
+        f"{'stiffness' if through == SPRING else 'damping'}"
+    )
+    return Seen(response, base, 0.0, said, ("", "/s")[wanted], through)
+
+
+def _moves(where: str, response: np.ndarray, base: np.ndarray) -> None:
+    """Raises BadInput where base or response do not move, or are one and the same."""
+    with np.errstate(over="ignore"):
+        finite = bool(np.isfinite(np.sum(base**2)))
+    if not finite:
+        raise BadInput(
+            f"{where}: the base holds values that are not a number, or larger than any motion; choose another column "
+            "with --base"
+        )
+    if not np.ptp(base) > 0.0:
+        raise BadInput(f"{where}: the base does not move; choose another column with --base, or leave it out (none)")
+    if not np.ptp(response) > 0.0:
+        raise BadInput(f"{where}: the response is {response[0]:g} throughout; check the sensor, or choose --response")
+    if np.array_equal(response, base):
+        raise BadInput(f"{where}: the response is the motion of the base; choose another column with --response")
+
+
+def _left(response: np.ndarray, shown: int, force: np.ndarray, fs: float, *, scaled: bool = False) -> float:
     """Part of a force that Eq. 17 leaves whose relative response this is: lines of the force's band.
 
     By a regression on the motion, its velocity, its cube and its signs, as of FORCEVIB. Nothing is left, as nothing is
-    told, where the force has no line but those of a drift.
+    told, where the force has no line but those of a drift. ``scaled``: the force may count by any factor.
     """
     window = np.hanning(response.size)
     turn = 2j * np.pi * np.fft.rfftfreq(response.size, 1.0 / fs)
@@ -200,8 +250,9 @@ def _left(response: np.ndarray, shown: int, force: np.ndarray, fs: float) -> flo
     z, v, a = (
         np.fft.irfft(np.append(0.0, motion[1:] * turn[1:] ** (order - shown)), response.size) for order in (0, 1, 2)
     )
-    laws = np.stack([np.fft.rfft(window * law)[used] for law in (z, v, z**3, np.sign(z), np.sign(v))], axis=1)
-    wanted = f[used] - np.fft.rfft(window * a)[used]
+    forces = (z, v, z**3, np.sign(z), np.sign(v), *((a,) if scaled else ()))
+    laws = np.stack([np.fft.rfft(window * law)[used] for law in forces], axis=1)
+    wanted = f[used] - (0.0 if scaled else np.fft.rfft(window * a)[used])
     columns, values = (np.concatenate([part.real, part.imag]) for part in (laws, wanted))
     size = np.linalg.norm(columns, axis=0)
     columns = columns / np.where(size > 0.0, size, 1.0)

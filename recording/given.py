@@ -33,7 +33,7 @@ class Reading(TypedDict, total=False):
     acceleration. ``unit``, ``force_unit``: such as "mm", "kN". ``calibration``: such as {"force": "22.4 N/V"}. ``fs``:
     sampling frequency, Hz. ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero, linear or smooth.
     ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the response is
-    relative to it. ``prescribed``: column of a motion that was imposed, the force being what it
+    relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a motion that was imposed, the force being what it
     took. ``max_size``: largest file, MB unpacked.
     """
 
@@ -49,6 +49,7 @@ class Reading(TypedDict, total=False):
     hold: str | None
     base: str | int | None
     relative: bool | None
+    through: str | None
     prescribed: str | int | None
     max_size: float
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput, TellsNothing
-from .base_motion import seen_from_base
+from .base_motion import driven_through, seen_from_base
 from .calibration import applied, of_column
 from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
@@ -20,7 +20,7 @@ from .fact import changed
 from .formats import read_tables
 from .objects import tables_of_object
 from .part import cut_out, rows_of
-from .recording import QUANTITIES, WHOLE, Recording
+from .recording import QUANTITIES, THROUGH, Recording
 from .sampling import uniform_sampling
 from .sensor_range import seen_whole
 from .table import Table
@@ -88,6 +88,7 @@ def recording_of(
     hold: str | None = None,
     base: str | int | None = None,
     relative: bool | None = None,
+    through: str | None = None,
     prescribed: str | int | None = None,
     checked: bool = True,
     sha256: str | None = None,
@@ -100,7 +101,8 @@ def recording_of(
     pattern of a column what its numbers stand for, "22.4 N/V"; `part` keeps the stretch from and to so many seconds
     after the first sample; `hold` says how the force runs between samples (zero, linear, smooth; None: not said).
     `base` names the column of the motion of the rig's base in place of a force, and `relative` says whether the
-    response is relative to it (None: by the signals); see ``base_motion``. `prescribed` names the column of a motion
+    response is relative to it (None: by the signals); `through` says that it moves one end of a "spring" or "damper" and
+    all else stands on the ground; see ``base_motion``. `prescribed` names the column of a motion
     that was imposed, in place of a response; the force is then what that took. With
     `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`. `sha256` is kept.
 
@@ -108,6 +110,10 @@ def recording_of(
     """
     if quantity is not None and quantity not in QUANTITIES:
         raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
+    if through is not None and through not in THROUGH:
+        raise BadInput(f"what the base moves one end of is {through!r}; it can be a {' or a '.join(THROUGH)}")
+    if through is not None and relative:
+        raise BadInput("--through and --relative were both given; a response under --through is over the ground")
     if prescribed is not None:
         response, base = _prescribed(table.where, prescribed, response, base, force), "none"
     shown = "response" if prescribed is None else "prescribed"
@@ -117,9 +123,11 @@ def recording_of(
             f"{table.where}: a prescribed motion tells nothing without the force that it took, and no column is one; "
             "name it with --force"
         )
+    if through is not None and not (choice.base and choice.force is not None):
+        raise BadInput(f"{table.where}: --through says what a base moves, and no column is one; name it with --base")
     factors = {key: str(text) for key, text in (calibration or {}).items()}
     imposed = prescribed is not None
-    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part, relative, imposed)
+    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part, relative, through, imposed)
     recording = replace(recording, hold=hold)
     return _checked(recording, stated=unit is not None) if checked else recording
 
@@ -148,6 +156,7 @@ def _recording(
     sha256: str | None,
     part: tuple[float, float] | None,
     relative: bool | None,
+    through: str | None,
     imposed: bool,
 ) -> Recording:
     notes = [*table.notes, *choice.notes]
@@ -199,16 +208,17 @@ def _recording(
     sampling = uniform_sampling(table.where, stamps, rate, signals)
     whole = seen_whole(table.where, sampling.columns, sampling.fs, imposed=imposed)
     columns = whole.columns
-    response, force, noise = columns[:, 0] * (factor * unit.factor), None, 0.0
+    response, force, noise, moved = columns[:, 0] * (factor * unit.factor), None, 0.0, ""
     if choice.force is not None:
         force = columns[:, 1] * force_factor
     if of_base is not None and force is not None and force_unit is not None:
-        seen = seen_from_base(table.where, sampling.fs, response, quantity, force, of_base, relative)
-        response, force, noise = seen.response, seen.force, seen.noise
-        notes.append(
-            f"{table.where}: {seen.said}; what drives it is minus the base's acceleration, which tells no mass"
-        )
-        force_unit = parse_unit(f"{force_unit.si.partition('/')[0]}/s2", table.where)
+        if through is None:
+            seen = seen_from_base(table.where, sampling.fs, response, quantity, force, of_base, relative)
+        else:
+            seen = driven_through(table.where, sampling.fs, response, force, of_base, through)
+        response, force, noise, moved = seen.response, seen.force, seen.noise, seen.base
+        notes.append(f"{table.where}: {seen.said}")
+        force_unit = parse_unit(f"{force_unit.si.partition('/')[0]}{seen.per_time}", table.where)
     recording = Recording(
         name=table.where,
         fs=sampling.fs,
@@ -222,7 +232,7 @@ def _recording(
         notes=(*notes, *sampling.notes, *whole.notes),
         blank=whole.blank,
         unknown=whole.unknown,
-        base="" if of_base is None else WHOLE,
+        base=moved,
         force_noise=noise,
         prescribed=imposed,
     )

@@ -20,6 +20,8 @@ from .units import parse_unit
 QUANTITIES = ("displacement", "velocity", "acceleration")
 #: What a base that moves drives, see ``Recording.base``.
 WHOLE, PART = "whole", "part"
+#: What stands between a base that moves and the mass, where all else stands on the ground.
+THROUGH = SPRING, DAMPER = "spring", "damper"
 #: How a force may run between its samples: held from one to the next, in straight lines, or as a band-limited signal.
 HOLDS = ("zero", "linear", "smooth")
 
@@ -40,7 +42,9 @@ class Recording:
     is the standard deviation of noise on a force that no longer shows it, its levels having been averaged or its base's
     motion differentiated; else 0. `base` is not
     empty where the force is minus the acceleration of a moving base and the response relative to it: "whole" where it
-    drives one mass, "part" where what is recorded takes part in that by another factor, as a mode of a beam does.
+    drives one mass, "part" where what is recorded takes part in that by another factor, as a mode of a beam does. It is
+    "spring" or "damper" where the base moves one end of such, the response is over the ground, and the force is the
+    base's displacement or velocity.
     `prescribed` is set where the response was imposed and the force is what that took.
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
@@ -106,6 +110,11 @@ class Recording:
     def n(self) -> int:
         """Number of samples."""
         return len(self.response)
+
+    @property
+    def rides(self) -> bool:
+        """Whether the rig stands on a base that moves, and its response is relative to that."""
+        return self.base in (WHOLE, PART)
 
     @property
     def dt(self) -> float:

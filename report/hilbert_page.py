@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import __version__
 from ..export.render import plain_text
-from ..identify.hilbert.hilbert_files import UNITS
+from ..identify.hilbert.hilbert_files import UNITS, force_unit_of
 from ..model import Response, units
 from ..model.display import full_stop, number, pretty_unit
 from .blocks import Block, Items, Page, Section, Table, Text, picture
@@ -42,11 +42,12 @@ def hilbert_page(
         truth: true values by parameter name, where they are known.
     """
     unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
+    force = force_unit_of(recordings)
     sections = [
-        Section("Parameters", tuple(_parameters(analysis, unit, truth))),
+        Section("Parameters", tuple(_parameters(analysis, unit, force, truth))),
         Section("Backbones and response", tuple(_backbones(analysis, recordings, unit))),
         Section("Spring and friction", tuple(characteristics(analysis, recordings, unit))),
-        Section("Over time", tuple(_over_time(analysis, unit))),
+        Section("Over time", tuple(_over_time(analysis, unit, force))),
         Section("Within the cycle", tuple(_within_the_cycle(analysis, unit))),
         Section("Left aside", (Items(tuple(full_stop(note) for note in analysis.notes)),) if analysis.notes else ()),
         Section("Where the numbers come from", (*_recordings(recordings), *files_text(files))),
@@ -62,7 +63,7 @@ def hilbert_page(
 def characteristics(analysis: HilbertAnalysis, recordings: Sequence[Recording], unit: str) -> list[Block]:
     """Figs. 5 and 7 with what stands below them."""
     mass = None if analysis.forcevib is None else analysis.forcevib.mass
-    force_unit = next((r.force_unit for r in recordings if r.force is not None), "N")
+    force_unit = force_unit_of(recordings)
     sentence = (
         f" Bands: ± {BAND:g} standard errors. Thick: the describing function inverted, so that it is a force. Thin: "
         "Eq. 15 as printed, which is the force's fundamental."
@@ -80,9 +81,9 @@ def characteristics(analysis: HilbertAnalysis, recordings: Sequence[Recording], 
     ]
 
 
-def _parameters(analysis: HilbertAnalysis, unit: str, truth: Mapping[str, float] | None) -> list[Block]:
+def _parameters(analysis: HilbertAnalysis, unit: str, force: str, truth: Mapping[str, float] | None) -> list[Block]:
     blocks: list[Block] = []
-    table = modal_table(analysis, unit, truth=truth)
+    table = modal_table(analysis, unit, force, truth=truth)
     if table is not None:
         blocks.append(table)
     for method, name in _NAMES.items():
@@ -94,7 +95,7 @@ def _parameters(analysis: HilbertAnalysis, unit: str, truth: Mapping[str, float]
         spread = analysis.spread(method)
         if spread:
             rows = tuple(
-                (key, number(value), number(fit.stds[key]), pretty_unit(units.compose(UNITS[key], unit)))
+                (key, number(value), number(fit.stds[key]), pretty_unit(units.compose(UNITS[key], unit, force)))
                 for key, value in spread.items()
             )
             head = ("Parameter", "Spread of single stretches", "± of all together", "Unit")
@@ -119,8 +120,8 @@ def levels(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> tuple[
     return tuple(level / mass for level in sine_levels(recordings))
 
 
-def _over_time(analysis: HilbertAnalysis, unit: str) -> list[Block]:
-    blocks = []
+def _over_time(analysis: HilbertAnalysis, unit: str, force: str) -> list[Block]:
+    blocks, of_mass = [], pretty_unit(units.compose(UNITS["mass"], unit, force))
     for i, curve in enumerate(analysis.curves):
         what = "free decay, FREEVIB" if curve.method == "freevib" else "driven stretch, FORCEVIB"
         caption = f"{plain_text(curve.recording)}, stretch {i + 1}: {what}. Bands: ± {BAND:g} standard errors."
@@ -128,7 +129,7 @@ def _over_time(analysis: HilbertAnalysis, unit: str) -> list[Block]:
             value, std = curve.fit.derived["F0/k"], curve.fit.derived_std["F0/k"]
             terms = [f"F0/k {number(value)} ± {number(std, 2)} {unit}"]
             if curve.fit.mass is not None:
-                terms.insert(0, f"mass {number(curve.fit.mass, 5)} ± {number(curve.fit.mass_std, 2)} kg")
+                terms.insert(0, f"mass {number(curve.fit.mass, 5)} ± {number(curve.fit.mass_std, 2)} {of_mass}")
             caption += f" By itself: {', '.join(terms)}."
         low, high = curve.decrement[curve.amplitude.argmin()], curve.decrement[curve.amplitude.argmax()]
         caption += (

@@ -20,13 +20,17 @@ _FROM = {"freevib": "FREEVIB", "forcevib": "FORCEVIB"}
 
 
 def modal_table(
-    analysis: HilbertAnalysis, unit: str, model: Oscillator | None = None, truth: Mapping[str, float] | None = None
+    analysis: HilbertAnalysis,
+    unit: str,
+    force: str,
+    model: Oscillator | None = None,
+    truth: Mapping[str, float] | None = None,
 ) -> Table | None:
     """One row a parameter; None where neither method has a result.
 
     Args:
         analysis: FREEVIB's and FORCEVIB's fits.
-        unit: of the displacement.
+        unit, force: of the displacement, and of what drives.
         model: by maximum likelihood, for a column of its own.
         truth: true values, where they are known.
     """
@@ -47,7 +51,7 @@ def modal_table(
         row += [_cell(values.get(name), stds.get(name)) for values, stds in columns]
         if truth is not None:
             row.append(number(truth[name], 6) if name in truth else "")
-        rows.append((*row, pretty_unit(units.compose(of, unit))))
+        rows.append((*row, pretty_unit(units.compose(of, unit, force))))
     missed = [_left(fit.over_noise) for fit in fits.values()]
     rows.append(("times the noise", *missed, *[""] * (len(head) - 1 - len(missed) + (truth is not None)), ""))
     if truth is not None:

@@ -101,7 +101,7 @@ def _lead(
 def _methods(identification: Identification) -> tuple[Table, ...]:
     """FREEVIB, FORCEVIB and maximum likelihood beside one another; nothing where neither of the former has a result."""
     model = identification.oscillator
-    table = modal_table(identification.measured, model.response.displacement_unit, model)
+    table = modal_table(identification.measured, model.response.displacement_unit, model.force_unit, model)
     return () if table is None else (table,)
 
 

@@ -52,7 +52,7 @@ def paper_page(
         Section("Fig. 4: backbones and frequency response", tuple(_backbones(analysis, recordings))),
         Section("Figs. 5 and 7: static characteristics", tuple(characteristics(analysis, recordings, _UNIT))),
         Section("Fig. 6: sweep", (_history(sweep, (), "fig-6"),)),
-        Section("Parameters", tuple(filter(None, [modal_table(analysis, _UNIT, truth=truth)]))),
+        Section("Parameters", tuple(filter(None, [modal_table(analysis, _UNIT, "N", truth=truth)]))),
     ]
     lead = Text(
         "The figures of Feldman, Bucher and Rotberg (2009), remade from simulated recordings of "

@@ -51,9 +51,8 @@ def machine_table(model: Oscillator) -> Table:
         unit = "" if p.unit == "1" else pretty_unit(p.unit)
         rows.append((name, value, error, percent_text(percent(p)), unit, words[name]))
     head = ("Of the machine", "Value", "± std error", "relative", "Unit", "Meaning")
-    return Table(
-        head, tuple(rows), (1, 2, 3), "As the machine has it: from the parameters of the model, with their errors."
-    )
+    caption = f"As the machine has it{model.over_what_drives}: from the parameters of the model, with their errors."
+    return Table(head, tuple(rows), (1, 2, 3), caption)
 
 
 def _against(parameter: Parameter, true: float | None) -> list[str | Cell]:

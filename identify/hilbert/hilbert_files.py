@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,9 +20,9 @@ if TYPE_CHECKING:
     from ...recording.recording import Recording
 
 
-#: Units of Eq. 17 per unit mass, with X for that of the displacement, and of what follows from them.
+#: Units of Eq. 17 per unit mass, with X for that of the displacement and Q of the force, and of what follows from them.
 UNITS = {
-    "mass": "kg",
+    "mass": "Q.s2/X",
     "omega0": "rad/s",
     "cubic": "1/(X2.s2)",
     "preload": "X/s2",
@@ -46,7 +47,7 @@ def curves_csv(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> st
 
     unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
     out = io.StringIO()
-    out.write(_HEAD.format(x=unit, f=next((r.force_unit for r in recordings if r.force is not None), "N")))
+    out.write(_HEAD.format(x=unit, f=force_unit_of(recordings)))
     for i, curve in enumerate(analysis.curves):
         step = _step(curve)
         numbers = np.column_stack(
@@ -71,6 +72,11 @@ def curves_csv(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> st
     return out.getvalue()
 
 
+def force_unit_of(recordings: Sequence[Recording]) -> str:
+    """Unit of what drives; N where nothing does."""
+    return next((r.force_unit for r in recordings if r.force is not None), "N")
+
+
 def _within(curve: ModalCurve) -> list[np.ndarray]:
     """Eq. 5, congruent curve and half-waves of a decay, as the header has them; not a number under a force."""
     cycle = curve.within
@@ -90,9 +96,10 @@ def _step(curve: ModalCurve) -> int:
 def as_json(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> dict[str, Any]:
     """The laws, their errors and what they come from, for a strict JSON file: what is not known is null."""
     from ...model import Response
-    from ...model.units import compose
+    from ...model import units
 
     unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
+    compose = partial(units.compose, force=force_unit_of(recordings))
     curves = []
     for i, curve in enumerate(analysis.curves):
         low, high = int(np.argmin(curve.amplitude)), int(np.argmax(curve.amplitude))
@@ -182,7 +189,7 @@ def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
     from ...model.parameter import Parameter
     from ...model.units import compose
 
-    unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
+    unit, force = Response(recordings[0].quantity, recordings[0].unit).displacement_unit, force_unit_of(recordings)
     lines = []
     for method, words in (("freevib", "free decays"), ("forcevib", "driven stretches")):
         fit = getattr(analysis, method)
@@ -190,6 +197,6 @@ def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
             continue
         lines.append(f"{method.upper()}, {len(analysis.of(method))} {words}")
         values, stds = {**fit.values, **fit.derived}, {**fit.stds, **fit.derived_std}
-        lines += [f"  {n:8} {Parameter(v, stds[n], compose(UNITS[n], unit))}" for n, v in values.items()]
+        lines += [f"  {n:8} {Parameter(v, stds[n], compose(UNITS[n], unit, force))}" for n, v in values.items()]
         lines.append(f"  Eqs. 1, 6 and 7 leave {times_words(fit.over_noise)} times the noise.")
     return "\n".join(lines)

@@ -139,7 +139,7 @@ def noise_levels(recording: Recording) -> tuple[float, float]:
     drive = drive_of(recording)
     if drive is None:
         return response_of(recording).noise, 0.0
-    known = recording.force_noise if recording.base else 0.0
+    known = recording.force_noise if recording.rides else 0.0
     return response_of(recording).noise, known or drive.noise
 
 

@@ -9,7 +9,8 @@ from dashpot.face.simulation import along
 from dashpot.face.workflow import diagnosed, identified
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps
-from dashpot.model.show import parameter_cells
+from dashpot.model.physical import machine
+from dashpot.model.show import describe, parameter_cells
 from dashpot.recording import recordings_of
 from scipy.integrate import solve_ivp
 
@@ -93,3 +94,25 @@ def test_a_model_with_a_mass_is_simulated_along_a_base():
     (recording,) = recordings_of(shaken(1))
     made = along(Oscillator.from_values(values), [recording])
     assert np.std(made.response - recording.response) < 0.01 * np.std(recording.response)
+
+
+def test_a_base_that_moves_one_end_of_a_spring_tells_what_that_spring_moves():
+    """Two springs alike: the base's displacement drives through the one, and both pull back."""
+    share, dry = 0.5 * TRUE["omega0"] ** 2, 0.3
+
+    def rates(t, y):
+        law = TRUE["viscous"] * y[1] + TRUE["omega0"] ** 2 * y[0] + dry * np.tanh(y[1] / 1e-4)
+        return [y[1], share * base(t, 0, 1.0) - law]
+
+    y = solve_ivp(rates, (0.0, T[-1]), [0.0, 0.0], t_eval=T, rtol=1e-8, atol=1e-12, max_step=0.01).y[0]
+    rng = np.random.default_rng(4)
+    x, u = (s + 1e-3 * np.std(s) * rng.standard_normal(T.size) for s in (y, base(T, 0, 1.0)))
+    recordings = recordings_of({"time_s": T, "x_m": x, "base_m": u})
+    model = identified(lambda: recordings).oscillator
+    parameters = model.parameters()
+    for name, value in {"mass": 1 / share, "omega0": TRUE["omega0"], "viscous": TRUE["viscous"], "dry": dry}.items():
+        assert abs(parameters[name].value - value) < 3.5 * (parameters[name].std or 0.0)
+    assert (model.driven_through, parameters["mass"].unit, model.force_unit) == ("spring", "s2", "m")
+    assert "over the stiffness of the spring that drives it" in describe(model)
+    assert machine(model)["stiffness"].value == pytest.approx(2.0, rel=0.01)  # both springs, over the one
+    assert np.std(along(model, recordings).response - x) < 1.2e-3 * np.std(x)

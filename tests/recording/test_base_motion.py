@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.recording import recordings_of
-from dashpot.recording.base_motion import denoised, derivative, highest_of, seen_from_base
-from dashpot.recording.recording import WHOLE
+from dashpot.recording.base_motion import denoised, derivative, driven_through, highest_of, seen_from_base
+from dashpot.recording.recording import DAMPER, SPRING, WHOLE
 from scipy.integrate import solve_ivp
 
 FS, SECONDS, OMEGA, VISCOUS, CUBIC = 200.0, 20.0, 2 * np.pi * 5.0, 1.0, 2e5
@@ -151,3 +151,49 @@ def test_a_base_without_a_unit_is_taken_for_metres_and_that_is_said(motion):
 def test_a_dead_sensor_or_a_few_samples_end_in_a_sentence(n):
     with pytest.raises(BadInput, match=r"sample|throughout|--relative"):
         recordings_of({"time_s": T[:n], "x_m": 0.0 * T[:n], "base_m": base(0)[:n]})
+
+
+@pytest.fixture(scope="module")
+def through_a_spring():
+    """Displacement of a mass over the ground whose spring, one of two, is moved at its other end."""
+
+    def rates(t, y):
+        return [y[1], 0.4 * OMEGA**2 * base(0, t) - VISCOUS * y[1] - OMEGA**2 * y[0] - CUBIC * y[0] ** 3]
+
+    return solve_ivp(rates, (0.0, T[-1]), [0.0, 0.0], t_eval=T, rtol=1e-10, atol=1e-13, max_step=0.01).y[0]
+
+
+def test_the_signals_tell_a_base_that_moves_one_end_of_a_spring_alone(through_a_spring):
+    shown, moved = noisy(through_a_spring, 2), noisy(base(0), 3)
+    seen = seen_from_base("a.csv", FS, shown, "displacement", moved, "displacement", None)
+    assert seen.base == SPRING
+    assert np.array_equal(seen.response, shown)
+    assert np.array_equal(seen.force, moved)
+    (recording,) = recordings_of({"time_s": T, "x_mm": 1e3 * shown, "base_mm": 1e3 * moved})
+    assert (recording.base, recording.force_unit, recording.rides) == (SPRING, "m", False)
+    stated = seen_from_base("a.csv", FS, shown, "displacement", moved, "displacement", False)
+    assert stated.base == WHOLE  # what is stated is taken
+
+
+@pytest.mark.parametrize(("of_base", "order"), [("displacement", 0), ("velocity", 1)])
+def test_a_damper_passes_on_the_velocity_of_its_end(of_base, order):
+    seen = driven_through("a.csv", FS, np.sin(T), noisy(base(order), 4), of_base, DAMPER)
+    assert (seen.base, seen.per_time) == (DAMPER, "/s")
+    inside = slice(50, -50)
+    assert np.std((seen.force - base(1))[inside]) < 0.02 * np.std(base(1))
+
+
+@pytest.mark.parametrize(
+    ("arrays", "options", "words"),
+    [
+        ({"base_m_s2": base(2)}, {"through": "spring"}, "a spring passes on the displacement of the base"),
+        ({"base_m_s2": base(2)}, {"through": "damper"}, "its displacement or its velocity with --base"),
+        ({"base_m": base(0)}, {"through": "spring", "relative": True}, "--through and --relative were both given"),
+        ({"base_m": base(0)}, {"through": "rope"}, "it can be a spring or a damper"),
+        ({"base_m": np.ones(T.size)}, {"through": "spring"}, "the base does not move"),
+        ({}, {"through": "spring"}, "no column is one; name it with --base"),
+    ],
+)
+def test_what_drives_through_nothing_is_refused(arrays, options, words):
+    with pytest.raises(BadInput, match=words):
+        recordings_of({"time_s": T, "x_m": np.sin(30 * T), **arrays}, **options)
