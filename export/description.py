@@ -179,21 +179,17 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
     oscillator, eq, size = facts.oscillator, facts.loaded if payload else facts.equations, facts.size
     length = oscillator.response.displacement_unit
     speed, acceleration = (units.compose(template, length) for template in ("X/s", "X/s2"))
-    force = Variable("F", "input", 0, oscillator.force_unit, "excitation force, positive along x", 0.0)
+    force = Variable("F", "input", 0, oscillator.force_unit, oscillator.input_words, 0.0)
     if oscillator.mass is None:
-        text = "excitation force per unit mass, positive along x (the mass was not identified)"
-        if oscillator.is_base_driven:
-            text = "minus the acceleration of the base; the response is relative to the base"
-        force = replace(force, unit=acceleration, description=text)
-    elif through := oscillator.driven_through:
-        what = "displacement" if through == "spring" else "velocity"
-        force = replace(force, description=f"{what} of what moves the other end of the {through} that drives it")
-    if oscillator.mass is not None and oscillator.hold != "smooth":
+        force = replace(force, unit=acceleration)
+    elif oscillator.hold != "smooth":
         force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")
     descriptions, bounds = oscillator.descriptions(), oscillator.bounds()
     known, state_units = Knowns(eq), [length, speed, *_inner_units(oscillator, eq)]
     if eq.payload:
-        descriptions["mass"] += f" of the recordings, by which all forces scale; a load is {PAYLOAD}"
+        descriptions["mass"] = (
+            f"moving mass of the recordings{oscillator.over_what_drives}, by which all forces scale; a load is {PAYLOAD}"
+        )
     variables = [force, *_outputs(oscillator, eq, known, size if continuous else None)]
     for i, (name, parameter) in enumerate(oscillator.parameters().items()):
         if not math.isfinite(parameter.value):

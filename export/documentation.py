@@ -83,6 +83,11 @@ def _forces(o: Oscillator) -> str:
             f"The displacement x is in {length}; {response}."
         )
     force = pretty_unit(o.force_unit)
+    if o.driven_through:
+        return (
+            f"The input F is the {o.input_words}, in {force}; the mass is over what that counts, and forces inside the "
+            f"bracket are per unit mass. The displacement x is in {length}; {response}."
+        )
     return (
         f"Forces inside the bracket are per unit mass. The displacement x is in {length}, the force F in {force}; "
         f"{response}. In the recordings the force was taken to be {HOLDS[o.hold]}."

@@ -223,6 +223,18 @@ class Oscillator:
         return through.get(self.force_unit, "") if length in ("m", "rad") else ""
 
     @property
+    def input_words(self) -> str:
+        """What its input is, in words."""
+        if self.driven_through:
+            moved = "displacement" if self.driven_through == "spring" else "velocity"
+            return f"{moved} of what moves the other end of the {self.driven_through} that drives it"
+        if self.is_base_driven:
+            return "minus the acceleration of the base; the response is relative to the base"
+        if self.mass is None:
+            return "excitation force per unit mass, positive along x (the mass was not identified)"
+        return "excitation force, positive along x"
+
+    @property
     def over_what_drives(self) -> str:
         """What the machine's own quantities are over, where a spring or damper drives it; else empty."""
         of = {"spring": "stiffness", "damper": "damping"}
