@@ -187,9 +187,8 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
     descriptions, bounds = oscillator.descriptions(), oscillator.bounds()
     known, state_units = Knowns(eq), [length, speed, *_inner_units(oscillator, eq)]
     if eq.payload:
-        descriptions["mass"] = (
-            f"moving mass of the recordings{oscillator.over_what_drives}, by which all forces scale; a load is {PAYLOAD}"
-        )
+        over = oscillator.over_what_drives
+        descriptions["mass"] = f"moving mass of the recordings{over}, by which all forces scale; a load is {PAYLOAD}"
     variables = [force, *_outputs(oscillator, eq, known, size if continuous else None)]
     for i, (name, parameter) in enumerate(oscillator.parameters().items()):
         if not math.isfinite(parameter.value):

@@ -41,7 +41,20 @@ MODEL, REPORT = "model.yaml", "report.html"
 #: Parts of a picture of the motion.
 _PARTS = 60
 _READ = {"max_size": 500.0, "calibration": {}} | dict.fromkeys(
-    ("time", "force", "quantity", "unit", "force_unit", "fs", "part", "hold", "base", "relative", "through", "prescribed")
+    (
+        "time",
+        "force",
+        "quantity",
+        "unit",
+        "force_unit",
+        "fs",
+        "part",
+        "hold",
+        "base",
+        "relative",
+        "through",
+        "prescribed",
+    )
 )
 
 

@@ -217,7 +217,7 @@ class Oscillator:
 
     @property
     def driven_through(self) -> str:
-        """"spring" or "damper", where its input is the displacement or velocity of what moves the other end of one."""
+        """ "spring" or "damper", where its input is the displacement or velocity of what moves the other end of one."""
         length = self.response.displacement_unit
         through = {length: "spring", units.compose("X/s", length): "damper"}
         return through.get(self.force_unit, "") if length in ("m", "rad") else ""

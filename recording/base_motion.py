@@ -169,7 +169,8 @@ def seen_from_base(
     if relative is False:
         return seen(same, "the response was taken relative to the moving base")
     over_ground, already = (_left(one, shown, force, fs) for one in (same, response))
-    if moved == 0 and _CLEARER * max(_left(response, shown, recorded, fs, scaled=True), _TOLD) < min(over_ground, already):
+    through = _left(response, shown, recorded, fs, scaled=True) if moved == 0 else np.inf
+    if _CLEARER * max(through, _TOLD) < min(over_ground, already):
         return driven_through(where, fs, response, recorded, of_base, SPRING)
     if max(over_ground, already) < _CLEARER * max(min(over_ground, already), _TOLD):
         raise BadInput(
@@ -181,9 +182,7 @@ def seen_from_base(
     return seen(response, "the response is relative to the moving base, by the signals")
 
 
-def driven_through(
-    where: str, fs: float, response: np.ndarray, base: np.ndarray, of_base: str, through: str
-) -> Seen:
+def driven_through(where: str, fs: float, response: np.ndarray, base: np.ndarray, of_base: str, through: str) -> Seen:
     """The response over the ground, and what drives it through a spring or a damper whose other end the base moves.
 
     Args:
@@ -200,7 +199,7 @@ def driven_through(
     moved, wanted = QUANTITIES.index(of_base), THROUGH.index(through)
     if moved > wanted:
         raise BadInput(
-            f"{where}: a {through} passes on the {QUANTITIES[wanted]} of the base, and its {of_base} was recorded; give a "
+            f"{where}: a {through} passes on the {QUANTITIES[wanted]} of the base, whose {of_base} was recorded; give a "
             f"column of its {' or its '.join(QUANTITIES[: wanted + 1])} with --base"
         )
     if moved < wanted:

@@ -353,9 +353,8 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
         _note(
             recording,
             "the force takes work out of the motion instead of putting any in: its sign or that of the response is "
-            f"wrong, or it is recorded about half a cycle late, or the response is no {recording.quantity}, or what is "
-            "named as the one is the other; turn the response with --calibration response=-1, state --quantity, or "
-            f"exchange --{'base' if recording.base else 'force'} and --response",
+            f"wrong, or it is recorded about half a cycle late, or the response is no {recording.quantity}, or each is "
+            "the other; turn the response with --calibration response=-1, state --quantity, or exchange the columns",
         )
     ]
 

@@ -33,8 +33,8 @@ class Reading(TypedDict, total=False):
     acceleration. ``unit``, ``force_unit``: such as "mm", "kN". ``calibration``: such as {"force": "22.4 N/V"}. ``fs``:
     sampling frequency, Hz. ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero, linear or smooth.
     ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the response is
-    relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a motion that was imposed, the force being what it
-    took. ``max_size``: largest file, MB unpacked.
+    relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a motion that
+    was imposed, the force being what it took. ``max_size``: largest file, MB unpacked.
     """
 
     time: str | int | None

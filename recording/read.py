@@ -101,9 +101,9 @@ def recording_of(
     pattern of a column what its numbers stand for, "22.4 N/V"; `part` keeps the stretch from and to so many seconds
     after the first sample; `hold` says how the force runs between samples (zero, linear, smooth; None: not said).
     `base` names the column of the motion of the rig's base in place of a force, and `relative` says whether the
-    response is relative to it (None: by the signals); `through` says that it moves one end of a "spring" or "damper" and
-    all else stands on the ground; see ``base_motion``. `prescribed` names the column of a motion
-    that was imposed, in place of a response; the force is then what that took. With
+    response is relative to it (None: by the signals); `through` says that it moves one end of a "spring" or "damper",
+    while all else stands on the ground; see ``base_motion``. `prescribed` names the column of a motion that was
+    imposed, in place of a response; the force is then what that took. With
     `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`. `sha256` is kept.
 
     Raises BadInput with one sentence for each thing that is wrong.
@@ -127,7 +127,8 @@ def recording_of(
         raise BadInput(f"{table.where}: --through says what a base moves, and no column is one; name it with --base")
     factors = {key: str(text) for key, text in (calibration or {}).items()}
     imposed = prescribed is not None
-    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part, relative, through, imposed)
+    how = (quantity, unit, force_unit, fs, factors, sha256, part, relative, through, imposed)
+    recording = _recording(table, choice, *how)
     recording = replace(recording, hold=hold)
     return _checked(recording, stated=unit is not None) if checked else recording
 

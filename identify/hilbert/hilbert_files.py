@@ -95,8 +95,7 @@ def _step(curve: ModalCurve) -> int:
 
 def as_json(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> dict[str, Any]:
     """The laws, their errors and what they come from, for a strict JSON file: what is not known is null."""
-    from ...model import Response
-    from ...model import units
+    from ...model import Response, units
 
     unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
     compose = partial(units.compose, force=force_unit_of(recordings))

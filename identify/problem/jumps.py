@@ -33,10 +33,10 @@ def smooth_stretches(
 
     ``tangent_alone``: whether only those count in which the tangent is that of a jump, and no run near it tells of it.
 
-    Of each segment that smooth stretch of at least ``FEWEST_SWINGS`` cycles is kept which tells most of the parameters (a
-    rest, however long, tells nothing); where that is not all of it, its initial state is taken from the simulation. A segment of fewer cycles, as of a hammer's blow, which alone
-    says the mass, is kept whole where its jumps say next to nothing. Where nothing smooth is left at all, everything
-    stays as it was.
+    Of each segment that smooth stretch of at least ``FEWEST_SWINGS`` cycles is kept which tells most of the parameters
+    (a rest, however long, tells nothing); where that is not all of it, its initial state is taken from the simulation.
+    A segment of fewer cycles, as of a hammer's blow, which alone says the mass, is kept whole where its jumps say next
+    to nothing. Where nothing smooth is left at all, everything stays as it was.
     """
     if not problem.free:
         return problem.segments, state
