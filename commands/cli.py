@@ -99,9 +99,9 @@ def look(files: tuple[Path, ...], as_json: bool, **options: Any) -> None:
     from ..face.look import look as seen_in
 
     entries, refused = [], []
-    for file in files:
+    for place, file in enumerate(files):
         try:
-            entries += seen_in(file, options)
+            entries += seen_in(file, options, place)
         except BadInput as problem:  # the other files are shown all the same
             refused.append(str(problem))
     if as_json:

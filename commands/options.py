@@ -52,6 +52,15 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
         help="Column of a motion that was imposed, as in a test machine: the force law itself is then identified.",
     ),
     click.option(
+        "--channel",
+        "channels",
+        metavar="NAME[=VALUE]",
+        multiple=True,
+        callback=lambda _context, _option, texts: channels_stated(texts),
+        help="What the rig may depend on: a column (temperature_degC), a number of all recordings (current=0.5A), of "
+        "each in their order (current=0A,0.5A) or by file (current=slow.csv:0A); several times.",
+    ),
+    click.option(
         "--response",
         metavar="COLUMN",
         multiple=True,
@@ -168,6 +177,13 @@ def most_left(context: click.Context, parameter: click.Parameter, text: str | No
         return None if text is None else parse_most_left(text)
     except BadInput as problem:
         raise click.BadParameter(str(problem)) from None
+
+
+def channels_stated(texts: tuple[str, ...]) -> tuple[Any, ...] | None:
+    """``NAME=VALUE`` or a column, understood as far as no recording is needed for it; None for none."""
+    from ..recording.channel import stated_channels
+
+    return stated_channels(texts) if texts else None
 
 
 def calibrations(texts: tuple[str, ...]) -> dict[str, str]:

@@ -323,7 +323,8 @@ def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]
     """
     from .look import look as seen_in
 
-    return [entry for file in files for entry in seen_in(path_of(file, "a recording"), options)]
+    places = enumerate(files)
+    return [entry for place, file in places for entry in seen_in(path_of(file, "a recording"), options, place)]
 
 
 def load_laws(path: str | Path) -> tuple[Law, ...]:

@@ -247,9 +247,11 @@ def described(element: Element) -> str:
     for term in element.terms:
         lines += ["", f"{term.effect} ({term.law.path})", f"  {term.law.sentence}"]
     ranges = [(n, r) for n, r in (("amplitude", element.amplitude), ("speed", element.speed)) if r is not None]
-    if ranges:
-        lines += ["", "Valid for (what the recordings covered)"]
-        lines += [f"  {name:<10} {r.min:.4g} to {r.max:.4g} {r.unit}" for name, r in ranges]
+    covered = [f"  {name:<10} {r.min:.4g} to {r.max:.4g} {r.unit}" for name, r in ranges]
+    for name, one in element.channels.items():
+        stated = f"what depends on it is stated at {one.reference:.4g} {one.unit}"
+        covered.append(f"  {name:<10} {one.low:.4g} to {one.high:.4g} {one.unit} ({stated})")
+    lines += ["", "Valid for (what the recordings covered)", *covered] if covered else []
     files = [str(recording.get("file", "?")) for recording in element.identified.recordings]
     lines += ["", "Identified from", *(f"  {file}" for file in files)] if files else []
     return "\n".join(lines) + "\n"
@@ -275,6 +277,11 @@ def as_json(element: Element) -> dict[str, Any]:
             for name, p in element.parameters().items()
         },
         "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in element.terms],
+        "channels": [
+            {"channel": d.channel, "unit": d.unit, "of": d.of, "how": d.how, "at": d.reference}
+            | {"parameter": d.name or None, "min": d.low, "max": d.high}
+            for d in element.dependences
+        ],
         "motion": {"unit": element.unit, "origin": element.origin},
         "force": {"unit": element.force_unit},
     }

@@ -25,12 +25,13 @@ _OPTIONS = (
 )
 
 
-def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
+def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[dict[str, Any]]:
     """What would be read of a file, one dictionary a record; what is refused has its sentence under ``refused``.
 
     Args:
         path: of the file, with the name of a record behind # where one is meant.
         options: of ``recording.read``, each as text or as what it means; ``response`` is a column or several.
+        place: of the file among those whose channels are given in order.
 
     Raises:
         BadInput: the file is not there, or nothing in it is a record.
@@ -38,10 +39,12 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
     from ..recording.columns import parse_column
     from ..recording.content import MOST_MB
     from ..recording.part import parse_part
+    from ..recording.channel import sought, stated_channels
     from ..recording.read import recording_of, tables_at
 
     response, part = options.get("response"), options.get("part")
     how: dict[str, Any] = {name: options.get(name) for name in _OPTIONS}
+    stated = stated_channels(options.get("channels") or ())
     how["part"] = (parse_part(part) if isinstance(part, str) and part else part) or None
     responses: tuple[Any, ...] = (response,) if isinstance(response, str | int) else tuple(response or ())
     sha256, tables = tables_at(path, options.get("max_size", MOST_MB))
@@ -59,19 +62,22 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
         }
         for response in responses or (None,):
             try:
-                recording = recording_of(table, response=response, sha256=sha256, **how)
-                entry["recordings"].append({"columns": _roles(table, response, how), **_facts(recording)})
+                own = [channel.of(place, str(path)) for channel in stated]
+                recording = recording_of(table, response=response, sha256=sha256, channels=own, **how)
+                taken = [one.index for one in sought(table, own) if one.index is not None]
+                entry["recordings"].append({"columns": _roles(table, response, how, taken), **_facts(recording)})
             except BadInput as problem:
                 entry["recordings"].append({"refused": str(problem)})
         seen.append(entry)
     return seen
 
 
-def _roles(table: Table, response: str | None, how: Mapping[str, Any]) -> dict[str, str | None]:
+def _roles(table: Table, response: str | None, how: Mapping[str, Any], taken: Sequence[int]) -> dict[str, str | None]:
     from ..recording.columns import choose_columns
 
     moved = how["prescribed"]
-    chosen = choose_columns(table, how["time"], how["force"], moved or response, how["quantity"], how["base"])
+    named = how["time"], how["force"], moved or response, how["quantity"], how["base"]
+    chosen = choose_columns(table, *named, taken=taken)
     driver = "base" if chosen.base else "force"
     indices = {"time": chosen.time, driver: chosen.force, "prescribed" if moved else "response": chosen.response}
     return {role: None if i is None else table.label(i).strip("'") for role, i in indices.items()}
@@ -87,6 +93,7 @@ def _facts(recording: Recording) -> dict[str, Any]:
     signals = [("prescribed" if imposed else "response", recording.response, recording.unit)]
     if recording.force is not None:
         signals.append(("force", recording.force, recording.force_unit))
+    signals += [(channel.name, channel.over(recording.n), channel.unit) for channel in recording.channels]
     return {
         "motion": "prescribed" if free is None else kind_of(recording, free.decays),
         "quantity": recording.quantity,
@@ -96,7 +103,7 @@ def _facts(recording: Recording) -> dict[str, Any]:
         "start": recording.start,
         "signals": [
             {"role": role, "unit": unit, "min": float(signal.min()), "max": float(signal.max()), "rms": _rms(signal)}
-            | {"picture": sparkline(signal)}
+            | {"picture": sparkline(signal) if np.ptp(signal) > 0 else "the same throughout"}
             for role, signal, unit in signals
         ],
         "pieces": [] if free is None else _pieces(recording, free),

@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 
 from ..errors import BadInput
 from . import units
+from .dependence import Dependence, channels_of, in_order, own_unit, strength_at
 from .law import Law, LawParameter
 from .laws import BASE
 from .limits import plain_number
@@ -88,6 +89,7 @@ class Element:
         origin: displacement, as recorded, from which the laws count it.
         amplitude, speed: what the recordings covered.
         identified: where the numbers come from.
+        dependences: strengths that depend on a channel: their values are those at its reference.
     """
 
     members: Mapping[str, Parameter]
@@ -99,6 +101,7 @@ class Element:
     amplitude: Range | None = None
     speed: Range | None = None
     identified: Provenance = field(default_factory=Provenance)
+    dependences: tuple[Dependence, ...] = ()
 
     #: Whether its motion is given and its force follows.
     imposed: ClassVar[bool] = True
@@ -116,6 +119,7 @@ class Element:
         force_unit: str = "N",
         origin: float = 0.0,
         laws: Sequence[Law] = (),
+        dependences: Sequence[Dependence] = (),
     ) -> Element:
         """An element from plain numbers, units filled in; members that are left out are zero.
 
@@ -126,6 +130,7 @@ class Element:
             force_unit: of the force.
             origin: displacement from which the laws count it.
             laws: of the further terms.
+            dependences: on channels, whose own numbers are among the values.
 
         Raises:
             BadInput: a parameter of a law is missing, one is not known, or is no number.
@@ -142,10 +147,19 @@ class Element:
         terms = tuple(
             Term(law, {p.name: take(f"{law.name}.{p.name}", template_of(p)) for p in law.parameters}) for law in laws
         )
+        known = members | {f"{term.effect}.{name}": p for term in terms for name, p in term.parameters.items()}
+        made: list[Dependence] = []
+        for one in dependences:
+            if one.of not in known:
+                raise BadInput(f"nothing is called {one.of[:60]!r} that may depend on {one.channel}")
+            number = take(one.name, "1") if one.name else None
+            if number is not None:
+                number = replace(number, unit=own_unit(one.how, known[one.of].unit, one.unit))
+            made.append(replace(one, parameter=number))
         if given:
             unknown = min(map(str, given))
             raise BadInput(f"unknown parameter {unknown[:60]!r}; known are {', '.join(members)}")
-        return cls(members, name, terms, unit, force_unit, float(origin))
+        return cls(members, name, terms, unit, force_unit, float(origin), dependences=tuple(made))
 
     @property
     def response(self) -> Response:
@@ -153,9 +167,10 @@ class Element:
         return Response("displacement", self.unit)
 
     def parameters(self) -> dict[str, Parameter]:
-        """Every parameter by its name: the members, then those of the terms."""
+        """Every parameter by its name: the members, then those of the terms, then those of dependences."""
         named = {f"{t.effect}.{name}": p for t in self.terms for name, p in t.parameters.items()}
-        return {**self.members, **named}
+        own = {one.name: one.parameter for one in self.dependences if one.parameter is not None}
+        return {**self.members, **named, **own}
 
     def values(self) -> dict[str, float]:
         """The parameters' plain values."""
@@ -167,16 +182,42 @@ class Element:
             replace(t, parameters={name: changed.get(f"{t.effect}.{name}", p) for name, p in t.parameters.items()})
             for t in self.terms
         )
-        return replace(self, members={n: changed.get(n, p) for n, p in self.members.items()}, terms=terms)
+        ways = tuple(replace(one, parameter=changed.get(one.name, one.parameter)) for one in self.dependences)
+        members = {n: changed.get(n, p) for n, p in self.members.items()}
+        return replace(self, members=members, terms=terms, dependences=ways)
+
+    @property
+    def channels(self) -> dict[str, Dependence]:
+        """A dependence on each channel, by the channel's name: unit, reference and what was recorded."""
+        return channels_of(self.dependences)
+
+    def at(self, channels: Mapping[str, float]) -> Element:
+        """The element where channels have values, by name; those that are left out have their references.
+
+        Raises:
+            BadInput: it depends on no such channel.
+        """
+        for name in channels:
+            if name not in self.channels:
+                raise BadInput(
+                    f"{self.name} depends on no channel {name[:60]!r}; it has {', '.join(self.channels) or 'none'}"
+                )
+        known, changed = self.parameters(), {}
+        for of in {one.of for one in self.dependences}:
+            value = strength_at(self.dependences, of, known[of].value, self.values(), channels)
+            changed[of] = replace(known[of], value=float(value))
+        return replace(self.with_parameters(changed), dependences=())
 
     def descriptions(self) -> dict[str, str]:
         """What each parameter is, in words."""
         own = {f"{t.effect}.{p.name}": p.description for t in self.terms for p in t.law.parameters}
-        return _WORDS | {name: text.replace(", per unit mass", "") for name, text in own.items()}
+        ways = {d.name: d.form.words.format(channel=d.channel, of=d.of) for d in self.dependences if d.name}
+        return _WORDS | {name: text.replace(", per unit mass", "") for name, text in own.items()} | ways
 
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Lower and upper bound of each parameter, in its unit; infinite where there is none."""
         bounds = {name: (0.0 if name == INERTIA else -math.inf, math.inf) for name in self.members}
+        bounds |= {d.name: (-math.inf, math.inf) for d in self.dependences if d.name}
         return bounds | {f"{t.effect}.{p.name}": (p.lower, p.upper) for t in self.terms for p in t.law.parameters}
 
     @property
@@ -191,8 +232,17 @@ class Element:
 
         ``shown`` makes the text of a parameter, by the names of ``parameters()``; by default that is its name.
         """
-        text: Callable[[str], str] = shown or self._short
-        there = {name for name, p in self.members.items() if p.value or p.std}
+        plain: Callable[[str], str] = shown or self._short
+        ways = {one.of for one in self.dependences}
+
+        def text(name: str) -> str:
+            made = plain(name)
+            for one in in_order(self.dependences, name):
+                own = plain(one.name) if one.name else ""
+                made = one.form.text.format(s=made, a=own, c=one.channel, c0=f"{one.reference:.4g}")
+            return made.replace("- -", "+ ").replace("+ -", "- ") if name in ways else made
+
+        there = {name for name, p in self.members.items() if p.value or p.std or name in ways}
         order = (3, 4, 0, 1, 2, 5)  # damping first, as in Eq. 17
         inner = [f"{text(INERTIA)} x''"] if INERTIA in there else []
         inner += [MEMBERS[i].in_words(text) for i in order if MEMBERS[i].parameters[0].name in there]

@@ -14,6 +14,7 @@ from ..errors import BadInput
 from ..files.writing import write
 from . import units
 from .consistency import covariance_problem, shown, suggestion
+from .dependence_file import ChannelForm, channel_lines, check_channels, dependence_of
 from .element import Element, template_of, templates
 from .file import (
     check_name,
@@ -74,6 +75,7 @@ class ElementForm(Form):
     dry: ParameterForm
     load: ParameterForm
     terms: list[TermForm] = Field(default_factory=list)
+    channels: list[ChannelForm] = Field(default_factory=list)
     motion: _MotionForm = _MotionForm()
     force: _ForceForm = _ForceForm()
     valid: _ValidForm = _ValidForm()
@@ -113,6 +115,7 @@ def loads(text: str, where: str = "element") -> Element:
         form.motion.origin,
         range_of(form.valid.amplitude),
         range_of(form.valid.speed),
+        dependences=tuple(dependence_of(entry) for entry in form.channels),
     )
     free = [name for name, p in element.parameters().items() if p.std is not None]
     return replace(element, identified=provenance_of(form.identified, free))
@@ -127,6 +130,7 @@ def dumps(element: Element) -> str:
     for term in e.terms:
         lines += [f"  - effect: {scalar_text(term.effect)}", "    parameters:"]
         lines += [f"      {line}" for line in table(term.parameters)]
+    lines += channel_lines(e.dependences)
     lines += [
         f"motion: {{unit: {scalar_text(e.unit)}, origin: {number_text(e.origin)}}}",
         f"force: {flow({'unit': e.force_unit})}",
@@ -156,6 +160,7 @@ def _checked(raw: dict[str, Any], document: Document) -> None:
         return
     for name, wanted in expected.items():
         _same_unit(document, (name,), _item(raw, name), wanted)
+    strengths = dict(expected)
     names = list(expected)
     terms = raw.get("terms")
     for i, term in enumerate(terms if isinstance(terms, list) else []):
@@ -164,6 +169,8 @@ def _checked(raw: dict[str, Any], document: Document) -> None:
             continue
         given, known = _item(term, "parameters"), {p.name: p for p in law.parameters}
         names += [f"{law.name}.{name}" for name in known]
+        made = {name: units.compose(template_of(p), unit, force) for name, p in known.items() if p.strength}
+        strengths |= {f"{law.name}.{name}": own for name, own in made.items()}
         for name in given if isinstance(given, dict) else {}:
             if name not in known:
                 document.report(
@@ -180,6 +187,7 @@ def _checked(raw: dict[str, Any], document: Document) -> None:
             if isinstance(value, int | float) and not p.lower <= value <= p.upper:
                 said = f"must lie between {p.lower:g} and {p.upper:g}, but is {value:g}"
                 document.report(("terms", i, "parameters", name, "value"), said)
+    names += check_channels(raw.get("channels"), strengths, document)
     identified = _item(raw, "identified")
     rows, order = _item(identified, "covariance"), _item(identified, "parameters")
     if isinstance(rows, list) and isinstance(order, list):

@@ -8,12 +8,13 @@ keeps its order (Filippov 1988 for what happens on a surface).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
+from .dependence import Dependence, channels_of, strength_at
 from .law import Expression, InnerState, Law, Motion
 from .laws import BASE
 
@@ -113,6 +114,7 @@ class Structure:
         recorded: what the recordings show: displacement, velocity or acceleration.
         payload: whether a further mass, ``payload``, is its last parameter; forces stay what they are.
         imposed: whether the motion is given and the force is the response, as of an ``Element``.
+        dependences: of strengths on channels, whose values are the last parameters; without numbers of their own.
     """
 
     parameters: tuple[str, ...]
@@ -120,19 +122,26 @@ class Structure:
     recorded: str
     payload: bool = False
     imposed: bool = False
+    dependences: tuple[Dependence, ...] = ()
+
+
+#: What the parameter of a channel's value is called: this and its name, which may be that of a member.
+CHANNEL = "channel."
 
 
 def structure_of(oscillator: Oscillator | Element, *, payload: bool = False) -> Structure:
     """The structure of an oscillator, by which what is made of its equations alone is kept.
 
-    Without a mass there is none to add to, and ``payload`` is ignored. Of an element the last parameter is the origin
-    of its displacement.
+    Without a mass there is none to add to, and ``payload`` is ignored. Of an element the last parameters are the origin
+    of its displacement and the values of its channels.
     """
     from .element import Element  # which stands on the oscillator
 
     laws = tuple(term.law for term in oscillator.terms)
     if isinstance(oscillator, Element):
-        return Structure((*oscillator.parameters(), ORIGIN), laws, FORCE, imposed=True)
+        ways = tuple(replace(one, parameter=None) for one in oscillator.dependences)
+        channels = [f"{CHANNEL}{name}" for name in channels_of(ways)]
+        return Structure((*oscillator.parameters(), ORIGIN, *channels), laws, FORCE, imposed=True, dependences=ways)
     loaded = payload and oscillator.mass is not None
     names = (*oscillator.parameters(), *((PAYLOAD,) if loaded else ()))
     return Structure(names, laws, oscillator.response.quantity, loaded)
@@ -158,6 +167,9 @@ def equations_of(structure: Structure) -> Equations:
     names = structure.parameters
     p = ca.SX.sym("p", len(names))
     value = {name: p[i] for i, name in enumerate(names)}
+    channels = {name: value[f"{CHANNEL}{name}"] for name in channels_of(structure.dependences)}
+    ways = structure.dependences
+    value |= {of: strength_at(ways, of, value[of], value, channels) for of in {one.of for one in ways}}
     shown = "displacement" if structure.imposed else structure.recorded
     motion = Motion(x=x - value[ORIGIN] if structure.imposed else x, v=v, t=t, recorded=shown)
     terms = [(law, {q.name: value[f"{law.name}.{q.name}"] for q in law.parameters}) for law in structure.laws]

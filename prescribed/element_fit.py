@@ -22,6 +22,7 @@ from ..recording.checks import overlapping
 from ..recording.prescribed import refuse_free
 from ..recording.recording import Recording
 from ..simulate.imposed import force_along
+from .channels import spans_of
 from .columns import SEARCHED
 from .errors import element_of
 from .fit import Fitted, Problem
@@ -112,16 +113,19 @@ def identify_element(
     Args:
         recordings: of one specimen; ``response`` is the motion, ``force`` what it took.
         name: of the specimen.
-        laws: names of laws to be fitted beside the members.
+        laws: names of laws to be fitted beside the members, and what depends on a channel: "viscous:current", or
+            "dry:pressure:power" where it is not linear.
         every: whether members stay that the recordings do not tell from none.
 
     Raises:
         BadInput: where the recordings do not belong together, or a law is no force.
     """
     motions = _motions(recordings)
-    problem = Problem(motions, (), origin_of(motions))
+    problem = Problem(motions, (), origin_of(motions), spans=spans_of(recordings))
     search = Search(problem, every=every)
-    fitted = search.plainest(search.with_laws([_force_law(law) for law in laws]))
+    asked = [text for text in laws if ":" in text]
+    begun = search.with_laws([_force_law(law) for law in laws if law not in asked])
+    fitted = search.plainest(search.with_ways(begun, asked))
     return _fit_of(fitted, problem, recordings, name)
 
 
@@ -151,13 +155,14 @@ def diagnose_element(
     training, held = motions[:given], motions[given:]
     if not held:
         training, held = _in_pieces(training)
-    problem = Problem(training, held, origin, SEARCHED)
+    spans = spans_of([*recordings, *holdout])
+    problem = Problem(training, held, origin, SEARCHED, spans)
     found = Search(problem, progress=progress, until=until).find()
     progress("the element on every recording", 0.95)
-    whole = Problem(motions, (), origin)
+    whole = Problem(motions, (), origin, spans=spans)
     everything = [*recordings, *holdout]
     before = _fit_of(_again(found.plain, whole), whole, everything, name)
-    after = _fit_of(_again(found.best, whole), whole, everything, name) if found.named else None
+    after = _fit_of(_again(found.best, whole), whole, everything, name) if found.named or found.dependent else None
     each = [problem.held_records(fitted) for fitted in (found.plain, found.best)]
     records = [tuple(Record(m.name, *pair) for m, pair in zip(held, pairs, strict=True)) for pairs in each]
     progress("done", 1.0)
@@ -212,7 +217,7 @@ def _fit_of(fitted: Fitted, problem: Problem, recordings: Sequence[Recording], n
     element = element_of(fitted, problem, name, (unit_of_motion(first), first.force_unit))
     forces, records = [], []
     for motion in problem.motions:
-        force = force_along(element, motion.displacement, motion.dt, start=motion.start)
+        force = force_along(element, motion.displacement, motion.dt, start=motion.start, channels=motion.channels)
         told = motion.told
         force += float(np.mean(motion.force[told] - force[told]))
         spread = float(np.std(motion.force[told]))

@@ -11,6 +11,7 @@ from ..identify.signals.noise_spectrum import estimate
 from ..identify.signals.registry import numerics
 from ..model.element import Element
 from ..model.oscillator import Provenance
+from .channels import dependence_of, size_of
 from .fit import Fitted, Problem
 
 _STEP = numerics(1e-4, "of a value", why="of a difference quotient of the force by a place")
@@ -30,13 +31,19 @@ def element_of(fitted: Fitted, problem: Problem, name: str, units: tuple[str, st
         units: of displacement and force.
     """
     laws = fitted.shape.laws
+    ways, spans = fitted.shape.ways, problem.spans
+    sizes = {way.name: size_of(way, spans[way.channel]) for way in ways}
     own = {*fitted.shape.members, *(f"{law.name}.{p.name}" for law in laws for p in law.parameters)}
     values = {name: value for name, value in fitted.values.items() if name in own}
+    made = [dependence_of(way, spans[way.channel]) for way in ways]
+    values |= {one.name: sizes[one.name] * fitted.values[one.name] for one in made if one.name}
     values["load"] = float(np.mean(fitted.constants))
     element = Element.from_values(
-        values, name=name, unit=units[0], force_unit=units[1], origin=problem.origin, laws=laws
+        values, name=name, unit=units[0], force_unit=units[1], origin=problem.origin, laws=laws, dependences=made
     )
     names, covariance = _covariance(fitted, problem)
+    scale = np.array([sizes.get(name, 1.0) for name in names])
+    covariance = covariance * np.outer(scale, scale)
     errors = dict(zip(names, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
     known = element.parameters()
     told = {n: replace(p, std=float(errors[n])) for n, p in known.items() if n in errors}
@@ -50,9 +57,8 @@ def element_of(fitted: Fitted, problem: Problem, name: str, units: tuple[str, st
 def _covariance(fitted: Fitted, problem: Problem) -> tuple[list[str], np.ndarray]:
     """Names of what was fitted, the load last, and their covariance."""
     shape, count = fitted.shape, len(problem.motions)
-    strengths = [f"{law.name}.{p.name}" for law in shape.laws for p in law.parameters if p.strength]
     placed = [name for name, _ in shape.placed()]
-    names = [*shape.members, *strengths, *placed]
+    names = [*shape.linear(), *placed]
     k = len(names)
     normal, scattered = np.zeros((k + count, k + count)), np.zeros((k + count, k + count))
     doubted, numbers = np.zeros(k + count), problem.strengths(fitted)
@@ -82,7 +88,8 @@ def _covariance(fitted: Fitted, problem: Problem) -> tuple[list[str], np.ndarray
 def _slope(fitted: Fitted, problem: Problem, name: str, i: int) -> np.ndarray:
     """(n,) derivative of the force along a motion by a place."""
     value = fitted.values[name]
-    step = _STEP * (abs(value) or problem.scales.length)
+    natural = next(p.natural(problem.scales) for own, p in fitted.shape.placed() if own == name)
+    step = _STEP * (abs(value) or natural)
     strengths = problem.strengths(fitted)
     ahead, back = (
         strengths @ problem.columns(fitted.shape, {**fitted.values, name: value + way * step}, problem.motions[i])

@@ -18,6 +18,7 @@ from ..identify.signals.noise_spectrum import concentrated_likelihood, estimate
 from ..identify.signals.registry import budget, numerics
 from ..model.element import INERTIA, MEMBERS
 from ..model.law import Law, LawParameter, Scales
+from .channels import Span, Way, column_of
 from .columns import TURN, of_law, of_members
 from .motion import Imposed
 
@@ -44,11 +45,26 @@ class Shape:
         members: names of members beside the constant.
         laws: further laws.
         freed: names EFFECT.PARAMETER of shapes that are fitted too.
+        ways: in which strengths depend on channels, one for each pair of those at most.
     """
 
     members: tuple[str, ...] = FITTED
     laws: tuple[Law, ...] = ()
     freed: frozenset[str] = frozenset()
+    ways: tuple[Way, ...] = ()
+
+    @property
+    def causes(self) -> int:
+        """Laws and dependences: what was named beside the members."""
+        return len(self.laws) + len(self.ways)
+
+    def strengths(self) -> list[str]:
+        """Names of members and of the laws' strengths, in the order of the columns."""
+        return [*self.members, *(f"{law.name}.{p.name}" for law in self.laws for p in law.parameters if p.strength)]
+
+    def linear(self) -> list[str]:
+        """Names of everything that the force is linear in: strengths, then slopes by channels."""
+        return [*self.strengths(), *(way.name for way in self.ways if way.how == "linear")]
 
     def placed(self) -> list[tuple[str, LawParameter]]:
         """Parameters that are searched for, with their names."""
@@ -58,7 +74,7 @@ class Shape:
                 name = f"{law.name}.{p.name}"
                 if not (p.strength or p.scale) and (not p.shape or name in self.freed):
                     made.append((name, p))
-        return made
+        return made + [(way.name, p) for way in self.ways if (p := way.placed()) is not None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,14 +100,13 @@ class Fitted:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The laws' names."""
-        return tuple(law.name for law in self.shape.laws)
+        """The laws' names, and what depends on channels."""
+        return (*(law.name for law in self.shape.laws), *map(str, self.shape.ways))
 
     @property
     def count(self) -> int:
         """Parameters that were fitted, constants not among them."""
-        strengths = sum(p.strength for law in self.shape.laws for p in law.parameters)
-        return len(self.shape.members) + strengths + len(self.shape.placed())
+        return len(self.shape.linear()) + len(self.shape.placed())
 
 
 class Problem:
@@ -102,9 +117,18 @@ class Problem:
         held: motions that nothing is fitted to.
         origin: displacement that laws count from.
         turn: how far inner states go in a step, see ``columns``.
+        spans: of the channels, by name.
     """
 
-    def __init__(self, motions: Sequence[Imposed], held: Sequence[Imposed], origin: float, turn: float = TURN) -> None:
+    def __init__(
+        self,
+        motions: Sequence[Imposed],
+        held: Sequence[Imposed],
+        origin: float,
+        turn: float = TURN,
+        spans: Mapping[str, Span] | None = None,
+    ) -> None:
+        self.spans = dict(spans or {})
         self.motions, self.held, self.origin, self.turn = tuple(motions), tuple(held), origin, turn
         self._members: dict[int, np.ndarray] = {}
         self._doubted: dict[int, Imposed] = {}
@@ -130,7 +154,7 @@ class Problem:
 
         Args:
             shape: its structure.
-            begun: EFFECT.PARAMETER of every law's parameters but its strengths.
+            begun: EFFECT.PARAMETER of every law's parameters but its strengths, and of a dependence that is placed.
         """
         placed = shape.placed()
         known = {name: value for name, value in begun.items() if "." in name}
@@ -225,7 +249,55 @@ class Problem:
         for law in shape.laws:
             own = {p.name: values[f"{law.name}.{p.name}"] for p in law.parameters if not p.strength}
             rows.append(of_law(law, own, motion, self.origin, self.turn))
-        return np.vstack(rows)
+        return self._by_channels(shape, values, motion, np.vstack(rows))
+
+    def _by_channels(self, shape: Shape, values: Mapping[str, float], motion: Imposed, rows: np.ndarray) -> np.ndarray:
+        """(linear, n) of the columns (strengths, n), as they depend on channels."""
+        names, slopes = shape.strengths(), []
+        for way in sorted(shape.ways, key=lambda way: way.how == "linear"):  # factors are those of slopes too
+            plain = np.ones(motion.n) if way.of == "load" else rows[names.index(way.of)]
+            made = column_of(way, self.spans[way.channel], plain, motion, values.get(way.name, 0.0))
+            if way.how == "linear":
+                slopes.append(made)
+            else:
+                rows[names.index(way.of)] = made
+        return np.vstack([rows, *slopes])
+
+    def apart(
+        self, shape: Shape, values: Mapping[str, float], asked: Sequence[tuple[str, str]]
+    ) -> list[tuple[float, tuple[str, str]]]:
+        """The power that is left where a strength may change with a channel and its square, of each such pair.
+
+        Args:
+            shape: what is there.
+            values: of its places.
+            asked: strengths, and the channel for each.
+        """
+        names, weights = shape.strengths(), 1.0 / self._sizes
+        places = [np.flatnonzero(m.told)[:: max(1, m.n * len(self.motions) // _ENOUGH)] for m in self.motions]
+        there, wanted, plain = [], [], []
+        for motion, place, weight in zip(self.motions, places, weights, strict=True):
+            columns = self.columns(shape, values, motion)[:, place]
+            there.append(weight * (columns - columns.mean(axis=1, keepdims=True)))
+            wanted.append(weight * (motion.force[place] - motion.force[place].mean()))
+            plain.append(columns)
+        basis, force = basis_of(np.concatenate(there, axis=1)), np.concatenate(wanted)
+        force = force - basis @ (basis.T @ force)
+        made = []
+        for of, channel in asked:
+            own, span = [], self.spans[channel]
+            for motion, place, weight, columns in zip(self.motions, places, weights, plain, strict=True):
+                apart = (motion.channels[channel][place] - span.reference) / span.half
+                column = np.ones(apart.size) if of == "load" else columns[names.index(of)]
+                both = np.array([column * apart, column * apart**2])
+                own.append(weight * (both - both.mean(axis=1, keepdims=True)))
+            rows = np.concatenate(own, axis=1)
+            size = np.linalg.norm(rows, axis=1)
+            rows = rows - (rows @ basis) @ basis.T
+            rows = rows[np.linalg.norm(rows, axis=1) > _FINEST * np.maximum(size, np.finfo(float).tiny)]
+            more = basis_of(rows) if len(rows) else np.zeros((force.size, 0))
+            made.append((float(np.mean((force - more @ (more.T @ force)) ** 2)), (of, channel)))
+        return sorted(made)
 
     def _solved(self, shape: Shape, values: Mapping[str, float], weights: np.ndarray) -> Fitted | None:
         """The strengths that leave the least at these places; those at a bound that they would leave stay there."""
@@ -234,7 +306,7 @@ class Problem:
             finite = all(np.isfinite(np.sum(columns**2)) for columns in parts)
         if not finite:  # a law ran away, or to where none of its strength is of any size
             return None
-        names = [*shape.members, *(f"{law.name}.{p.name}" for law in shape.laws for p in law.parameters if p.strength)]
+        names = shape.linear()
         lower = {f"{law.name}.{p.name}": p.lower for law in shape.laws for p in law.parameters if p.strength}
         bounded = [name in POSITIVE or lower.get(name, -math.inf) >= 0.0 for name in names]
         normal, gradient, centred = np.zeros((len(names),) * 2), np.zeros(len(names)), []
@@ -282,10 +354,8 @@ class Problem:
         return made
 
     def strengths(self, fitted: Fitted) -> np.ndarray:
-        """(members + strengths,) in the order of the columns."""
-        laws = fitted.shape.laws
-        own = [fitted.values[f"{law.name}.{p.name}"] for law in laws for p in law.parameters if p.strength]
-        return np.array([*(fitted.values[name] for name in fitted.shape.members), *own])
+        """(linear,) in the order of the columns."""
+        return np.array([fitted.values[name] for name in fitted.shape.linear()])
 
 
 def basis_of(rows: np.ndarray) -> np.ndarray:

@@ -65,7 +65,7 @@ class Judge:
         if more:
             fewer = other if more > 0 else one
             gain += math.copysign(0.5 * worth, more) * math.log1p(-share * self._by_chance(fewer, abs(more)))
-        laws = len(one.shape.laws) - len(other.shape.laws)
+        laws = one.shape.causes - other.shape.causes
         samples = sum(int(np.count_nonzero(told)) for told in self._told)
         gain *= 1.0 / (worth / samples + share)
         return np.clip(gain - share * laws * math.log(len(LIBRARY) + len(PRESCRIBED)), -abs(total), abs(total))
@@ -76,7 +76,7 @@ class Judge:
     def _by_chance(self, fitted: Fitted, count: int) -> float:
         """Part of the power left that random smooth functions of the motion take away: of the best twentieth of them.
 
-        Less what the members and laws that are there can imitate.
+        They are functions of the channels too, where there are any. Less what the members and laws that are there can imitate.
         """
         if id(fitted) not in self._chance:
             self._chance[id(fitted)] = (fitted, *self._drawn(fitted))
@@ -94,12 +94,13 @@ class Judge:
     def _drawn(self, fitted: Fitted) -> tuple[np.ndarray, np.ndarray]:
         """(drawn, told) of all motions together, and what is left of them."""
         problem, rng = self.problem, np.random.default_rng(0)
-        along = rng.normal(size=(_DRAWN, _WAVES, 2)) / _ROUGH
+        along = rng.normal(size=(_DRAWN, _WAVES, 2 + len(problem.spans))) / _ROUGH
         phase, size = rng.uniform(0.0, 2.0 * np.pi, (_DRAWN, _WAVES)), rng.normal(size=(_DRAWN, _WAVES))
         rows, own, left = [], [], []
         for motion, residual in zip(problem.motions, fitted.residuals, strict=True):
             x = (motion.displacement - problem.origin) / problem.scales.length
-            place = np.stack([x, motion.velocity / (problem.scales.length * motion.pace)])[:, motion.told]
+            beside = [(motion.channels[name] - span.reference) / span.half for name, span in problem.spans.items()]
+            place = np.stack([x, motion.velocity / (problem.scales.length * motion.pace), *beside])[:, motion.told]
             made = [s @ np.cos(w @ place + p[:, None]) for w, p, s in zip(along, phase, size, strict=True)]
             known = problem.columns(fitted.shape, fitted.values, motion)[:, motion.told]
             rows.append(np.array(made) - np.mean(made, axis=1, keepdims=True))

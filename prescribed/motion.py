@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -41,6 +41,7 @@ class Imposed:
         noise: standard deviation of white noise on the force.
         otherwise: velocity and acceleration by polynomials of a lower order over the same window, which is as long as
             the displacement lets it be: how far they may be off.
+        channels: (n,) of each channel, by its name.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Imposed:
     told: np.ndarray
     noise: float
     otherwise: tuple[np.ndarray, np.ndarray]
+    channels: Mapping[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def n(self) -> int:
@@ -72,7 +74,9 @@ class Imposed:
         told[: int(np.pi / self.pace / self.dt)] = False
         velocity, acceleration = self.otherwise
         other = velocity[begin:end], acceleration[begin:end]
-        return replace(self, **cut, told=told, start=self.start + begin * self.dt, otherwise=other)
+        channels = {name: values[begin:end] for name, values in self.channels.items()}
+        start = self.start + begin * self.dt
+        return replace(self, **cut, told=told, start=start, otherwise=other, channels=channels)
 
     def doubted(self) -> Imposed:
         """The same as polynomials of another order have its velocity and acceleration."""
@@ -139,6 +143,7 @@ def imposed(recording: Recording) -> Imposed:
         told,
         max(drive.noise, rounding_noise(drive.samples), _LEAST_NOISE * float(np.std(drive.samples))),
         (otherwise[0], otherwise[1]),
+        {channel.name: channel.over(recording.n) for channel in recording.channels},
     )
 
 

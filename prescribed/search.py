@@ -23,8 +23,10 @@ from ..identify.start.measured_motion import probes
 from ..model.law import Law
 from ..model.laws import PRESCRIBED
 from ..model.library import KNOWN
+from .channels import Way, parsed
 from .fit import FITTED, Fitted, Problem, Shape
 from .judge import BAGS, Judge, probability
+from .ways import best_of, fitted_ways, without_law, without_way
 
 _log = logging.getLogger(__name__)
 
@@ -76,6 +78,16 @@ class Named:
 
 
 @dataclass(frozen=True, eq=False)
+class NamedWay:
+    """A dependence of the best structure on a channel, as ``Named``; rivals are named as ``str`` of a ``Way``."""
+
+    way: Way
+    odds: float
+    rivals: tuple[str, ...]
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
 class Found:
     """What a search ended with.
 
@@ -85,6 +97,7 @@ class Found:
         named: its laws.
         tried: every other structure that was fitted, with why it was not taken.
         untried: what there was no time for, in words.
+        dependent: what of it depends on channels.
     """
 
     plain: Fitted
@@ -92,6 +105,7 @@ class Found:
     named: tuple[Named, ...]
     tried: tuple[tuple[Fitted, str], ...]
     untried: tuple[str, ...] = ()
+    dependent: tuple[NamedWay, ...] = ()
 
 
 class Search:
@@ -130,11 +144,16 @@ class Search:
         """Search from the members alone."""
         first = self.members_alone()
         best = properly_named(self._climbed(first))
-        named = tuple(self._standing(law, best) for law in best.shape.laws)
+        named = tuple(
+            Named(law, *self._standing(law.name, without_law(best.shape, law), best)) for law in best.shape.laws
+        )
+        dependent = tuple(
+            NamedWay(way, *self._standing(str(way), without_way(best.shape, way), best)) for way in best.shape.ways
+        )
         self.progress("which members the motions tell", _ALL)
         plain, kept = self.plainest(first), self.plainest(best)
         tried = tuple((other, self._why_not(other, best)) for other in self.known.values() if other.names != best.names)
-        return Found(plain, kept, named, tried, tuple(self.untried))
+        return Found(plain, kept, named, tried, tuple(self.untried), dependent)
 
     def members_alone(self) -> Fitted:
         """All members, and no law."""
@@ -153,10 +172,25 @@ class Search:
             fitted = max(made, key=lambda one: one.likelihood)
         return fitted
 
+    def with_ways(self, fitted: Fitted, asked: Sequence[str]) -> Fitted:
+        """The same with strengths that depend on channels, as ``parsed`` reads them, all else free."""
+        for text in asked:
+            way = parsed(text, self.problem.spans, [*fitted.shape.strengths(), "load"])
+            if any((other.of, other.channel) == (way.of, way.channel) for other in fitted.shape.ways):
+                raise BadInput(f"'{text}': {way.of} depends on {way.channel} already; leave one of the two out")
+            begun = {**fitted.values, way.name: 1.0 if way.how == "power" else 0.0}
+            made = self._fitted(replace(fitted.shape, ways=(*fitted.shape.ways, way)), begun)
+            if made is None:
+                raise BadInput(f"'{text}': no force comes of it along these motions; leave it out")
+            fitted = made
+        return fitted
+
     def plainest(self, fitted: Fitted) -> Fitted:
         """The same without members that the motions do not tell from none, the least probable dropped first."""
+        needed = {way.of for way in fitted.shape.ways}
         while not self.every and fitted.shape.members:
-            shorter = [self._fitted(self._less(fitted, name), fitted.values) for name in fitted.shape.members]
+            left = [name for name in fitted.shape.members if name not in needed]
+            shorter = [self._fitted(self._less(fitted, name), fitted.values) for name in left]
             there = [one for one in shorter if one is not None]
             odds = [float(self.judge.odds(fitted, one)[0]) for one in there]
             if not odds or not min(odds) <= 0.0:
@@ -199,10 +233,14 @@ class Search:
                 for other in self._exchanged(leader):
                     if float(self.judge.odds(other, best)[0]) > 0.0:
                         best = other
+                for way in leader.shape.ways:
+                    others = self._in_place_of(way, leader, led)
+                    other = best_of([leader, *others], lambda one: float(self.judge.odds(one, leader)[0]))
+                    best = best if other is leader or other is None else other
             if best is leader and len(leader.names) < MOST_EFFECTS:
                 more = [one for one in self._added(leader) if self._matters(one, leader)]
                 decisive = [one for one in more if float(self.judge.odds(one, leader)[0]) > DECISIVE]
-                best = max(decisive, key=lambda one: float(self.judge.odds(one, leader)[0]), default=leader)
+                best = best_of(decisive, lambda one: float(self.judge.odds(one, leader)[0])) or leader
             leader = best
         return leader
 
@@ -214,23 +252,35 @@ class Search:
     def _shorter(self, leader: Fitted) -> list[Fitted]:
         made = []
         for law in leader.shape.laws:
-            rest = tuple(other for other in leader.shape.laws if other is not law)
-            one = self._kept(self._fitted(replace(leader.shape, laws=rest), leader.values))
+            one = self._kept(self._fitted(without_law(leader.shape, law), leader.values))
+            made += [] if one is None else [one]
+        for way in leader.shape.ways:
+            one = self._kept(self._fitted(without_way(leader.shape, way), leader.values))
             made += [] if one is None else [one]
         return made
+
+    def _in_place_of(self, way: Way, leader: Fitted, led: set[tuple[str, ...]]) -> list[Fitted]:
+        """The leader with a law, or another dependence, in the place of one on a channel."""
+        rest = without_way(leader.shape, way)
+        names = {*(law.name for law in rest.laws), *map(str, rest.ways)}
+        ways = fitted_ways(self.problem, rest, leader.values, lambda *how: self._kept(self._fitted(*how)))
+        if tuple(sorted(names)) in led:  # whose neighbours were asked for
+            known = [o for o in self.known.values() if len(o.names) == len(names) + 1 and names < set(o.names)]
+            return [*ways, *known]
+        return [*ways, *self._beside(rest, leader.values, self._more_laws(leader), _REFINED)]
+
+    def _more_laws(self, leader: Fitted) -> list[Law]:
+        return [law for law in self.laws if law.name not in leader.names]
 
     def _exchanged(self, leader: Fitted) -> list[Fitted]:
         """The leader with one law in the place of another."""
         made = []
         for law in leader.shape.laws:
-            rest = replace(leader.shape, laws=tuple(other for other in leader.shape.laws if other is not law))
-            made += self._beside(rest, leader.values, [o for o in self.laws if o.name not in leader.names], _REFINED)
+            made += self._beside(without_law(leader.shape, law), leader.values, self._more_laws(leader), _REFINED)
         return made
 
     def _added(self, leader: Fitted) -> list[Fitted]:
-        return self._beside(
-            leader.shape, leader.values, [law for law in self.laws if law.name not in leader.names], _REFINED
-        )
+        return self._beside(leader.shape, leader.values, self._more_laws(leader), _REFINED)
 
     def _beside(self, shape: Shape, values: Mapping[str, float], laws: Sequence[Law], most: int) -> list[Fitted]:
         """A structure with one law more: of those that gain most at their probes, with all else free."""
@@ -245,7 +295,10 @@ class Search:
         self._round += 1
         probed.sort(key=lambda one: one[0])
         first = list(dict.fromkeys(law.name for _, law, _ in probed))[:most]
-        return self._refined(shape, values, [(law, probe) for _, law, probe in probed if law.name in first])
+        made = self._refined(shape, values, [(law, probe) for _, law, probe in probed if law.name in first])
+        if not self.problem.spans:
+            return made
+        return [*fitted_ways(self.problem, shape, values, lambda *how: self._kept(self._fitted(*how))), *made]
 
     def _refined(
         self, shape: Shape, values: Mapping[str, float], begun: Sequence[tuple[Law, Mapping[str, float]]]
@@ -283,24 +336,27 @@ class Search:
                 best[kind] = found, dict(probe)
         return sorted(best.values(), key=lambda one: one[0])[:_SHAPES]
 
-    def _standing(self, law: Law, best: Fitted) -> Named:
-        """Odds of a law, with its rivals: the smallest set that holds the share ``GROUP`` of the probability."""
-        rest = replace(best.shape, laws=tuple(other for other in best.shape.laws if other is not law))
+    def _standing(self, cause: str, rest: Shape, best: Fitted) -> tuple[float, tuple[str, ...], float]:
+        """Odds of what is named, its rivals, and its share.
+
+        Rivals are the smallest set that holds the share ``GROUP`` of the probability, with one cause in its place.
+        """
         without = self._fitted(rest, best.values)
-        others = self._beside(rest, best.values, [o for o in self.laws if o.name not in best.names], _RIVALS)
-        odds = {law.name: np.zeros(1 + BAGS)}
+        others = self._beside(rest, best.values, self._more_laws(best), _RIVALS)
+        odds, there = {cause: np.zeros(1 + BAGS)}, {*(law.name for law in rest.laws), *map(str, rest.ways)}
         for other in [*others, *([] if without is None else [without])]:
-            (name,) = set(other.names) - {o.name for o in rest.laws} or {""}
-            odds[name] = -self.judge.odds(best, other, BAGS)
+            (name,) = set(other.names) - there or {""}
+            if name != cause:
+                odds[name] = -self.judge.odds(best, other, BAGS)
         known = dict(zip(odds, probability(list(odds.values())), strict=True))
         names = sorted(known, key=lambda name: -known[name])
         count = int(np.searchsorted(np.cumsum([known[name] for name in names]), GROUP)) + 1
         group = [name for name in names[:count] if name]
-        held = sum(known[name] for name in {*group, law.name})
+        held = sum(known[name] for name in {*group, cause})
         weighed = held / max(1.0 - held, np.finfo(float).tiny)
         on = weighed / (1.0 + weighed * self.judge.mismatch(best) / LISTED)
         share = 1.0 - best.power / without.power if without is not None and without.power > 0.0 else 1.0
-        return Named(law, float(on), tuple(name for name in group if name != law.name), max(share, 0.0))
+        return float(on), tuple(name for name in group if name != cause), max(share, 0.0)
 
     def _why_not(self, other: Fitted, best: Fitted) -> str:
         odds = float(self.judge.odds(best, other)[0])
@@ -318,7 +374,8 @@ def properly_named(fitted: Fitted) -> Fitted:
         base = {**dict.fromkeys(FITTED, 0.0), **fitted.values}
         base["omega0"] = math.sqrt(max(base["stiffness"], 0.0))
         own = [fitted.values[f"{law.name}.{p.name}"] for p in law.parameters]
-        if law.proper is None or law.proper(_by_name(law, own), base):
+        held = any(way.of.rpartition(".")[0] == law.name for way in fitted.shape.ways)
+        if held or law.proper is None or law.proper(_by_name(law, own), base):
             continue
         alike = [o for o in KNOWN.values() if (law.twin == o.name or o.twin == law.name) and o.name not in fitted.names]
         for other in alike:

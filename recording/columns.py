@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
@@ -83,11 +83,13 @@ def choose_columns(
     quantity: str | None = None,
     base: str | int | None = None,
     shown: str = "response",
+    taken: Collection[int] = (),
 ) -> Choice:
     """Return which columns to read: those named by the options, then those whose names tell.
 
     An option is a column's name, the name without its unit, a pattern of either with * and ?, or its number from 1;
-    "none" leaves it out; `shown` is the option that names the response. Raises BadInput when a named column is absent
+    "none" leaves it out; `shown` is the option that names the response; columns that are `taken` are something else.
+    Raises BadInput when a named column is absent
     or the names leave a choice that the user must make.
     """
     columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
@@ -109,7 +111,7 @@ def choose_columns(
                 + _by_number(len(columns), table.fs is not None)
             )
         chosen.setdefault("response", 0)
-    free = [i for i in range(len(columns)) if i not in chosen.values()]
+    free = [i for i in range(len(columns)) if i not in chosen.values() and i not in taken]
     for role in ("time", "force"):
         if role not in chosen:
             chosen[role] = _only(table, columns, role, [i for i in free if columns[i].kind == role])
@@ -149,6 +151,15 @@ def choose_columns(
             f"name the columns with {options}" + ("" if chosen["time"] is not None else " (and --time or --fs)")
         )
     return Choice(chosen["time"], chosen["force"], likely[0], base=moved)
+
+
+def find_column(table: Table, role: str, option: str | int) -> int:
+    """Index of the column that an option names, by name, pattern or number from 1; raises BadInput for none."""
+    columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
+    found = _find(table, columns, role, option)
+    if found is None:
+        raise BadInput(f"{table.where}: --{role} {option} names no column; leave it out")
+    return found
 
 
 def _by_number(count: int, rate: bool) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import BadInput, TellsNothing
 from ..files.arguments import known_options, number_of, path_of, shown, text_of
+from .channel import Channel, Stated, check_count, of_value, refuse_gaps, stated_channels
 from .checks import not_a_number, out_of_range
 from .content import MOST_MB
 from .objects import is_sep5, tables_of_object
@@ -34,7 +35,9 @@ class Reading(TypedDict, total=False):
     sampling frequency, Hz. ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero, linear or smooth.
     ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the response is
     relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a motion that
-    was imposed, the force being what it took. ``max_size``: largest file, MB unpacked.
+    was imposed, the force being what it took. ``channels``: by name what the rig may depend on, such as
+    {"current": "0.5 A"}, {"temperature": "T_oil_degC"} (a column), an array (n,) under "pressure_bar", or a list of
+    these in the order of the recordings. ``max_size``: largest file, MB unpacked.
     """
 
     time: str | int | None
@@ -51,6 +54,7 @@ class Reading(TypedDict, total=False):
     relative: bool | None
     through: str | None
     prescribed: str | int | None
+    channels: Any
     max_size: float
 
 
@@ -75,14 +79,18 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     if len(columns) > 1 and (stated := next((name for name in ("quantity", "unit") if how.get(name)), None)):
         raise BadInput(f"--{stated} cannot be that of {len(columns)} responses; state the units in the columns' names")
     number, made, mute = count(1), [], []
-    for one in _each(given):
+    stated, meant = how.pop("channels", ()), list(_each(given))
+    for channel in stated:
+        check_count(channel, len(meant))
+    for place, one in enumerate(meant):
+        own = [channel.of(place, _called(one, place)) for channel in stated]
         if isinstance(one, Recording):
             for problem in not_a_number(one) or out_of_range(one):
                 raise BadInput(problem.sentence)
-            made.append(one)
+            made.append(_with_channels(one, own))
             continue
         for column in columns or [None]:
-            for make in _read(one, next(number), how | {"response": column}):
+            for make in _read(one, next(number), how | {"response": column, "channels": own}):
                 try:
                     recording = make()
                 except TellsNothing as problem:
@@ -116,7 +124,34 @@ def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
                 number_of(factor, f"the calibration of {shown(column)}")
     if "part" in how:
         how["part"] = part_of(how["part"])
+    if "channels" in how:
+        how["channels"] = stated_channels(how["channels"])
     return how
+
+
+def _called(one: Any, place: int) -> str:
+    """What a thing is called where its channels are given by name."""
+    if isinstance(one, Recording):
+        return one.name
+    return os.fspath(one) if isinstance(one, str | os.PathLike) else f"recording {place + 1}"
+
+
+def _with_channels(recording: Recording, stated: Sequence[Stated]) -> Recording:
+    """A recording as it is, with further channels; one that it has already is taken by its name."""
+    known = {channel.name: channel for channel in recording.channels}
+    for one in stated:
+        if one.column is not None:
+            if str(one.column) not in known:
+                raise BadInput(
+                    f"{recording.name}: is no file, and has no channel {one.column}; give the channel as an array"
+                )
+            continue
+        found = of_value(one, recording.name)
+        if found.rows is not None:
+            refuse_gaps(recording.name, found.name, found.rows)
+        values = found.rows if found.rows is not None else float(found.number or 0.0)
+        known[found.name] = Channel(found.name, found.unit, values)
+    return replace(recording, channels=tuple(known.values())) if stated else recording
 
 
 def _each(given: Iterable[Any], depth: int = 0) -> Iterable[Any]:

@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import BadInput, TellsNothing
 from .base_motion import driven_through, seen_from_base
 from .calibration import applied, of_column
+from .channel import Channel, Sought, Stated, refuse_gaps, sought
 from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
 from .fact import changed
@@ -90,6 +91,7 @@ def recording_of(
     relative: bool | None = None,
     through: str | None = None,
     prescribed: str | int | None = None,
+    channels: Sequence[Stated] = (),
     checked: bool = True,
     sha256: str | None = None,
 ) -> Recording:
@@ -103,8 +105,9 @@ def recording_of(
     `base` names the column of the motion of the rig's base in place of a force, and `relative` says whether the
     response is relative to it (None: by the signals); `through` says that it moves one end of a "spring" or "damper",
     while all else stands on the ground; see ``base_motion``. `prescribed` names the column of a motion that was
-    imposed, in place of a response; the force is then what that took. With
-    `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`. `sha256` is kept.
+    imposed, in place of a response; the force is then what that took. `channels` are the further signals or numbers on
+    which the rig may depend. With `checked`, the errors that `check` finds are raised and its notes kept in
+    `Recording.notes`. `sha256` is kept.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
@@ -117,7 +120,9 @@ def recording_of(
     if prescribed is not None:
         response, base = _prescribed(table.where, prescribed, response, base, force), "none"
     shown = "response" if prescribed is None else "prescribed"
-    choice = choose_columns(table, time, force, response, quantity, base, shown)
+    further = sought(table, channels)
+    taken = [one.index for one in further if one.index is not None]
+    choice = choose_columns(table, time, force, response, quantity, base, shown, taken)
     if prescribed is not None and choice.force is None:
         raise BadInput(
             f"{table.where}: a prescribed motion tells nothing without the force that it took, and no column is one; "
@@ -127,7 +132,7 @@ def recording_of(
         raise BadInput(f"{table.where}: --through says what a base moves, and no column is one; name it with --base")
     factors = {key: str(text) for key, text in (calibration or {}).items()}
     imposed = prescribed is not None
-    how = (quantity, unit, force_unit, fs, factors, sha256, part, relative, through, imposed)
+    how = (quantity, unit, force_unit, fs, factors, sha256, part, relative, through, imposed, further)
     recording = _recording(table, choice, *how)
     recording = replace(recording, hold=hold)
     return _checked(recording, stated=unit is not None) if checked else recording
@@ -159,6 +164,7 @@ def _recording(
     relative: bool | None,
     through: str | None,
     imposed: bool,
+    further: Sequence[Sought],
 ) -> Recording:
     notes = [*table.notes, *choice.notes]
     factor, unit = _scale(table, choice.response, "response", unit_text, "--unit", calibration)
@@ -196,8 +202,11 @@ def _recording(
         notes.append(f"{table.where}: a channel begins after the others, {before} row(s) before it were left out")
     if there.size and (behind := len(numbers) - 1 - int(there[-1])):
         notes.append(f"{table.where}: a channel ends before the others, {behind} row(s) behind its end were left out")
-    numbers = numbers[there[0] : there[-1] + 1] if there.size else numbers
-    signals = numbers[:, : 1 if choice.force is None else 2]
+    beside = _beside(table.where, further, len(numbers))
+    if there.size:
+        numbers, beside = (rows[there[0] : there[-1] + 1] for rows in (numbers, beside))
+    count = 1 if choice.force is None else 2
+    signals = np.column_stack([numbers[:, :count], beside])
     stamps, rate = None, table.fs if fs is None else fs
     if choice.time is not None:
         stamps, said = _stamps(table, choice.time, numbers[:, -1], fs, calibration)
@@ -206,8 +215,13 @@ def _recording(
         rows, said = rows_of(table.where, stamps, part)
         stamps, signals = stamps[rows], signals[rows]
         notes += said
+    columned = [one for one in further if one.rows is not None]
+    for one, rows in zip(columned, signals[:, count:].T, strict=True):
+        refuse_gaps(table.where, one.name, rows)
     sampling = uniform_sampling(table.where, stamps, rate, signals)
-    whole = seen_whole(table.where, sampling.columns, sampling.fs, imposed=imposed)
+    whole = seen_whole(table.where, sampling.columns[:, :count], sampling.fs, imposed=imposed)
+    sampled = iter(_filled(sampling.columns[:, count:]).T)
+    channels = [Channel(o.name, o.unit, next(sampled) if o.number is None else o.number) for o in further]
     columns = whole.columns
     response, force, noise, moved = columns[:, 0] * (factor * unit.factor), None, 0.0, ""
     if choice.force is not None:
@@ -236,8 +250,30 @@ def _recording(
         base=moved,
         force_noise=noise,
         prescribed=imposed,
+        channels=tuple(channels),
     )
     return recording if part is None or stamps is not None else cut_out(recording, part)
+
+
+def _beside(where: str, further: Sequence[Sought], rows: int) -> np.ndarray:
+    """(rows, k) of the channels that are columns; raises BadInput where one is of another length."""
+    made = [one for one in further if one.rows is not None]
+    for one in made:
+        if one.rows is not None and one.rows.size != rows:
+            raise BadInput(
+                f"{where}: the channel {one.name} has {one.rows.size} values and the record {rows} rows; give one for each"
+            )
+    return np.column_stack([np.zeros((rows, 0)), *(one.rows for one in made if one.rows is not None)])
+
+
+def _filled(columns: np.ndarray) -> np.ndarray:
+    """(n, k) channels, in straight lines over rows that a clock has lost."""
+    made = columns.copy()
+    for one in made.T:
+        there = np.isfinite(one)
+        if not np.all(there):
+            one[:] = np.interp(np.arange(one.size), np.flatnonzero(there), one[there])
+    return made
 
 
 def _scale(

@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import BadInput
 from ..files.arguments import number_of, text_of
 from ..files.computed_once import computed_once
+from .channel import Channel
 from .missing import Runs, cut_runs
 from .plain_numbers import vector_of
 from .sensor_range import seen_whole
@@ -44,8 +45,8 @@ class Recording:
     empty where the force is minus the acceleration of a moving base and the response relative to it: "whole" where it
     drives one mass, "part" where what is recorded takes part in that by another factor, as a mode of a beam does. It is
     "spring" or "damper" where the base moves one end of such, the response is over the ground, and the force is the
-    base's displacement or velocity.
-    `prescribed` is set where the response was imposed and the force is what that took.
+    base's displacement or velocity. `prescribed` is set where the response was imposed and the force is what that took.
+    `channels` are further signals on which the thing may depend (temperature, current), each a number or (n,).
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
@@ -69,6 +70,7 @@ class Recording:
     force_noise: float = 0.0
     base: str = ""
     prescribed: bool = False
+    channels: tuple[Channel, ...] = ()
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")
@@ -98,6 +100,12 @@ class Recording:
                     "both must cover the same samples"
                 )
             object.__setattr__(self, "force", force)
+        for channel in self.channels:
+            if channel.over(len(response)).shape != response.shape:
+                raise BadInput(
+                    f"{self.name}: the channel {channel.name} has {len(channel.over(1))} samples and the response "
+                    f"{len(response)}; both must cover the same samples"
+                )
         object.__setattr__(self, "notes", tuple(self.notes))
 
     def __repr__(self) -> str:
@@ -145,7 +153,9 @@ class Recording:
         )
         start = self.start + first / self.fs
         left = {name: cut_runs(getattr(self, name), first, last) for name in ("blank", "unknown")}
-        return replace(self, response=self.response[first:last], force=force, start=start, struck=struck, **left)
+        channels = tuple(channel.slice(first, last) for channel in self.channels)
+        cut = {"response": self.response[first:last], "force": force, "channels": channels}
+        return replace(self, **cut, start=start, struck=struck, **left)
 
     def to_sep5(self) -> list[dict[str, Any]]:
         """Return the response, then the force if any, as SEP 5 time-series dictionaries (sdypy)."""

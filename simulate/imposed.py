@@ -6,11 +6,13 @@ So an element is run as an oscillator is, with the acceleration for its force an
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..model.dependence import strength_at
 from .core import core_of, longest_step
 from .force import straight_lines
 
@@ -28,7 +30,13 @@ def spline_of(displacement: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarr
 
 
 def force_along(
-    element: Element, displacement: np.ndarray, dt: float, *, start: float = 0.0, inner: Sequence[float] = ()
+    element: Element,
+    displacement: np.ndarray,
+    dt: float,
+    *,
+    start: float = 0.0,
+    inner: Sequence[float] = (),
+    channels: Mapping[str, np.ndarray | float] | None = None,
 ) -> np.ndarray:
     """(n,) force along a motion.
 
@@ -38,6 +46,7 @@ def force_along(
         dt: sample interval, s.
         start: time of the first sample, s.
         inner: inner states at the first sample, beyond what they follow; zero where none are given.
+        channels: by name, a number or (n,) each; one that is left out has its reference value.
 
     Returns:
         NaN from where a law runs away.
@@ -45,6 +54,26 @@ def force_along(
     Raises:
         BadInput: where the rates of the laws are no numbers.
     """
+    ways, known = element.dependences, element.parameters()
+    channels = {name: np.asarray(values, float) for name, values in (channels or {}).items()}
+    if not ways:
+        return _run(element, displacement, dt, start, inner)
+    # a force is linear in its strengths: what each of those makes is known once, and then grows with its channel
+    none = {one.of: replace(known[one.of], value=0.0) for one in ways}
+    plain = replace(element, dependences=()).with_parameters(none)
+    force = _run(plain, displacement, dt, start, inner)
+    rest = force.copy()
+    for of in {one.of for one in ways}:
+        strength = np.asarray(strength_at(ways, of, known[of].value, element.values(), channels), float)
+        most = float(np.max(np.abs(strength)))
+        if most > 0.0:
+            alone = plain.with_parameters({of: replace(known[of], value=most)})
+            force += (_run(alone, displacement, dt, start, inner) - rest) * (strength / most)
+    return force
+
+
+def _run(element: Element, displacement: np.ndarray, dt: float, start: float, inner: Sequence[float]) -> np.ndarray:
+    """(n,) force of an element that depends on no channel."""
     velocity, acceleration = spline_of(displacement, dt)
     core = core_of(element)
     values = np.array([*element.values().values(), element.origin])
