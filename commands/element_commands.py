@@ -73,11 +73,15 @@ def diagnose(
     """Ask which laws an element lacks, and write what was found; arguments as of ``dashpot diagnose``."""
     from ..diagnose.files import DIAGNOSIS, MODEL, REPORT, check_folder
     from ..face.element import diagnosed_element, fmu_of, load_element, write_element_diagnosis
+    from ..recording.channel import of_part
 
     check_folder(output)
     outputs_checked([output / name for name in (DIAGNOSIS, MODEL, REPORT)], [model, *recordings, *holdout])
     name = load_element(model).name
-    training, held = read_all(recordings, options, say), read_all(holdout, options, say)
+    stated, count = options.get("channels") or (), len(recordings)
+    parts = [of_part(stated, *span, count + len(holdout)) for span in ((0, count), (count, None))]
+    training = read_all(recordings, options | {"channels": parts[0]}, say)
+    held = read_all(holdout, options | {"channels": parts[1]}, say)
     with progress_shown() as progress:
         told = diagnosed_element(training, held, name=name, progress=progress, seconds=seconds)
     written = write_element_diagnosis(output, told.found, fmu_of(told.found.best.element), figures)
@@ -111,8 +115,10 @@ def simulate(model: Path, recording: Path, output: Path, options: dict[str, Any]
     if not output.name.endswith(".csv"):
         raise BadInput(f"{output}: simulate writes CSV; end the name in .csv")
     outputs_checked([output], [model, recording])
-    text, left = force_table(element, read_all((recording,), options, say))
+    text, left, notes = force_table(element, read_all((recording,), options, say))
     write(output, text)
+    for note in notes:
+        say(f"note: {note}")
     say(f"the force differs from the recorded one by {100 * left:.3g} % of its standard deviation")
     say(f"written: {output}")
 

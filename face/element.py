@@ -153,11 +153,19 @@ class ForceElement:
         """What is to be known of the identification."""
         return () if self.fit is None else self.fit.notes
 
-    def force(self, displacement: Sequence[float] | np.ndarray, fs: float) -> np.ndarray:
+    def force(
+        self, displacement: Sequence[float] | np.ndarray, fs: float, **channels: float | np.ndarray
+    ) -> np.ndarray:
         """(n,) force along a displacement (n,) sampled at ``fs`` Hz, in the element's units.
 
+        Args:
+            displacement: (n,) of its samples.
+            fs: sampling frequency, Hz.
+            channels: what it depends on, each a number or (n,) in the unit of the file; one that is left out has the
+                value at which the parameters are stated.
+
         Raises:
-            BadInput: fewer than four samples, or values that are no numbers.
+            BadInput: fewer than four samples, values that are no numbers, or a channel that it does not depend on.
         """
         from ..recording.plain_numbers import vector_of
         from ..simulate.imposed import force_along
@@ -167,7 +175,14 @@ class ForceElement:
             raise BadInput("the displacement must be at least four numbers in one row")
         if not (math.isfinite(fs) and fs > 0):
             raise BadInput(f"fs is {fs}; the sampling frequency is a positive number, in Hz")
-        return force_along(self.element, motion, 1.0 / fs)
+        beside = {name: vector_of(np.atleast_1d(values), name) for name, values in channels.items()}
+        for name, values in beside.items():
+            if name not in self.element.channels:
+                there = ", ".join(self.element.channels) or "none"
+                raise BadInput(f"{self.name} depends on no channel {name!r}; it has {there}")
+            if values.shape not in ((1,), motion.shape) or not np.all(np.isfinite(values)):
+                raise BadInput(f"the channel {name} must be one number, or {motion.size} as the displacement has")
+        return force_along(self.element, motion, 1.0 / fs, channels=beside)
 
     def diagnose(
         self,
@@ -327,8 +342,9 @@ class ElementDiagnosis:
 
     @property
     def effects(self) -> tuple[str, ...]:
-        """Names of the laws that are missing."""
-        return tuple(named.law.name for named in self.found.found.named)
+        """Names of the laws that are missing, then what depends on channels: ``viscous(current, linear)``."""
+        found = self.found.found
+        return (*(named.law.name for named in found.named), *(str(named.way) for named in found.dependent))
 
     @property
     def element(self) -> ForceElement:
@@ -398,11 +414,12 @@ def verified(fmu: Path, recordings: Sequence[Recording], **how: Any) -> Verifica
     return verify(fmu, recordings, **how)
 
 
-def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str, float]:
-    """CSV of time, displacement, recorded force and that of the element along one recording; and what is left, NRMSE.
+def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str, float, list[str]]:
+    """CSV of time, displacement, recorded force and that of the element along one recording; what is left, NRMSE; notes.
 
-    Raises BadInput where there are several recordings, or its motion was not prescribed.
+    Raises BadInput where there are several recordings, its motion was not prescribed, or a channel is missing.
     """
+    from ..model.dependence import beyond
     from ..prescribed.motion import imposed
     from ..recording.prescribed import refuse_free
     from ..simulate.imposed import force_along
@@ -411,10 +428,22 @@ def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str,
     if len(recordings) != 1:
         raise BadInput(f"simulate writes one force, and {len(recordings)} records were given; name one of them")
     motion = imposed(recordings[0])
-    made = force_along(element, motion.displacement, motion.dt, start=motion.start)
+    units = {channel.name: channel.unit for channel in recordings[0].channels}
+    for name, one in element.channels.items():
+        if name not in units:
+            raise BadInput(
+                f"{motion.name}: {element.name} depends on the {name}, and nobody says what it was; give it with "
+                f"--channel {name}=NUMBER, in {one.unit}, or name its column"
+            )
+        if units[name] != one.unit:
+            raise BadInput(f"{motion.name}: the channel {name} is in {units[name]}, and {element.name} has it in {one.unit}")
+    ends = [{name: float(end(values)) for name, values in motion.channels.items()} for end in (np.min, np.max)]
+    made = force_along(element, motion.displacement, motion.dt, start=motion.start, channels=motion.channels)
+    notes = beyond(element.dependences, *ends)
+    notes += [f"nothing depends on the {name}; it is left out" for name in units if name not in element.channels]
     rows = zip(motion.along(0.0)[:, 2], motion.displacement, motion.force, made, strict=True)
     text = "".join(f"{t:.9g},{x:.9g},{f:.9g},{g:.9g}\n" for t, x, f, g in rows)
     told = motion.told
     left = float(np.std(motion.force[told] - made[told]) / np.std(motion.force[told]))
     unit, force = element.unit.replace("/", "_"), element.force_unit.replace("/", "_")
-    return f"time_s,displacement_{unit},measured_{force},force_{force}\n{text}", left
+    return f"time_s,displacement_{unit},measured_{force},force_{force}\n{text}", left, notes

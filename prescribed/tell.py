@@ -16,6 +16,7 @@ from ..model.parameter import Parameter
 from ..model.show import finite
 from .element_fit import ElementFit, ElementFound, Record
 from .search import Named
+from .tell_ways import as_effects, few_values, said_of
 
 _SLOW = shown(0.6, "of the mean speed", why="what is left at so low a speed is said to be where the motion turns")
 _FAST = shown(1.4, "of the mean speed", why="the same at high speed")
@@ -54,7 +55,8 @@ def sentence_of(found: ElementFound) -> str:
         parts.append(f"in {where}, held out, from {figure(100 * one.nrmse, 2)} to {figure(100 * other.nrmse, 2)} %")
     remains = "what is left is noise" if noise else f"there remains {left}"
     figures = ", ".join(parts)
-    return f"Missing: {effects_in_words(laws)}. {figures[0].upper()}{figures[1:]}; {remains}."
+    causes = [*([effects_in_words(laws)] if laws else []), *said_of(found.found, found.best.element)]
+    return f"Missing: {'; '.join(causes)}. {figures[0].upper()}{figures[1:]}; {remains}."
 
 
 def _times(record: Record) -> str:
@@ -89,6 +91,8 @@ def where_it_fails(fit: ElementFit) -> tuple[str, dict[str, Any]]:
 def next_test(found: ElementFound) -> str:
     """Which test would tell more, in a sentence."""
     names = {name for named in found.found.named for name in (named.law.name, *named.rivals)}
+    if (further := few_values(found.found, found.best)) is not None:
+        return further
     paths = {named.law.path for named in found.found.named}
     reach = found.best.element.amplitude
     stroke = "" if reach is None else f" of ± {quantity(0.5 * reach.max, found.best.element.unit)}"
@@ -111,12 +115,16 @@ def as_json(found: ElementFound) -> dict[str, Any]:
         "format": "dashpot-diagnosis/1",
         "verdict": verdict_of(found),
         "sentence": sentence_of(found),
-        "effects": [_effect(named, found.best) for named in found.found.named] if after is not None else [],
+        "effects": [
+            *([_effect(named, found.best) for named in found.found.named] if after is not None else []),
+            *as_effects(found.found, found.best),
+        ],
         "location": {"path": "", "statement": statement, **ranges},
         "fit": {"train": [_fit(*pair) for pair in fits], "holdout": [_fit(*pair) for pair in held]},
         "parameter_shift": {
             name: {"before": p.value, "after": new[name].value, "std": finite(p.std)}
             for name, p in old.items()
+            if name in new
             if p.std is not None or new[name].std is not None
         },
         "considered": [

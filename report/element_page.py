@@ -16,6 +16,7 @@ from ..model.element import Element
 from ..model.show import percent
 from ..prescribed.element_fit import ElementFit, ElementFound
 from ..prescribed.tell import next_test, sentence_of, verdict_of, where_it_fails
+from ..prescribed.tell_ways import dependence_in_words, not_told, of_element
 from .blocks import Block, Cell, Code, Items, Page, Section, Table, Text, picture
 from .chart import Chart
 from .diagnosis_page import VERDICTS
@@ -190,6 +191,17 @@ def _named_table(found: ElementFound) -> Table:
             sizes.append(f"{name} {value}{f' ± {error}' if error else ''}{'' if unit == '1' else f' {unit}'}")
         rivals = effects_in_words(named.rivals, "or") if named.rivals else "nothing: no other law does as well"
         rows.append((effect_in_words(named.law.name), ", ".join(sizes), probability_text(named.odds), rivals))
+    element = found.best.element
+    for way in found.found.dependent:
+        one = of_element(way.way, element)
+        size = f"{way.way.how}"
+        if one.parameter is not None:
+            value, error = value_text(one.parameter)
+            unit = pretty_unit(one.parameter.unit)
+            size = f"{one.form.parameter} {value}{f' ± {error}' if error else ''}{'' if unit == '1' else f' {unit}'}"
+        words = dependence_in_words(way, element)
+        rivals = not_told(way) or "nothing: no other form or law does as well"
+        rows.append((f"{words[0].upper()}{words[1:]}", size, probability_text(way.odds), rivals))
     return Table(("What is missing", "Its size", "Probability", "Not distinguished from"), tuple(rows), cards=True)
 
 
