@@ -137,7 +137,8 @@ static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
         m->engine_ready = 0;
     } else if (v->kind == DP_PARAMETER) {
         m->engine.p[v->index] = value;
-        m->engine.modes_ready = m->engine.node_ready = 0;
+        m->engine.node_ready = 0;
+        if (!(DP_GIVEN && m->exchange)) m->engine.modes_ready = 0; /* a channel moves all the time: an event tells */
     } else if (v->kind == DP_SMOOTHING && m->exchange) {
         m->engine.modes_ready = 0;
     } else if (v->kind == DP_INPUT && !m->exchange && m->engine.z[1] == 0.0) {

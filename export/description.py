@@ -52,6 +52,7 @@ _WORDS = {
     "extrapolation": ("parameter", "fixed"),
     "physical": ("calculatedParameter", "tunable"),
     "motion": ("input", "continuous"),
+    "channel": ("input", "continuous"),
 }
 
 
@@ -405,20 +406,26 @@ def _stop_time(omega0: float) -> float:
 class Knowns:
     """Names of what expressions of the equations ``eq`` depend on.
 
-    ``driven`` is the name of the input, ``first`` are those of displacement and velocity at the start.
+    ``driven`` is the name of the input, ``first`` are those of displacement and velocity at the start, and ``beside``
+    those of further inputs that the equations have among their parameters, last and in their order.
     """
 
-    def __init__(self, eq: Equations, driven: str = "F", first: tuple[str, str] = ("x0", "v0")) -> None:
+    def __init__(
+        self, eq: Equations, driven: str = "F", first: tuple[str, str] = ("x0", "v0"), beside: Sequence[str] = ()
+    ) -> None:
         import casadi as ca
 
         self._eq = eq
         states = {name: eq.z[i] for i, name in enumerate(eq.state_names)}
-        self._knowns = {driven: eq.u, **states, "time": eq.t}
+        count = len(eq.parameter_names)
+        further = {name: eq.p[count - len(beside) + i] for i, name in enumerate(beside)}
+        self._knowns = {driven: eq.u, **further, **states, "time": eq.t}
         starts = {}
         for i, name in enumerate((*first, *(f"{name}0" for name in eq.state_names[2:]))):
             riders = [eq.z[k] for k, leader in enumerate(eq.follows) if leader == i]
             starts[name] = ca.vertcat(eq.z[i], *riders)
-        parameters = {name: eq.p[i] for i, name in enumerate(eq.parameter_names)}
+        own = enumerate(eq.parameter_names[: count - len(beside)])
+        parameters = {name: eq.p[i] for i, name in own} | further
         self._initial = {driven: eq.u, **parameters, **starts, "time": eq.t}
 
     def of(self, expression: Expression) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -9,7 +9,7 @@ from ..model.element import Element
 from ..model.equations import ORIGIN, equations
 from ..model.parameter import Parameter
 from .element_fmu import ORIGIN_WORDS, describe_element
-from .element_motion import state_units, values_of
+from .element_motion import channel_words, state_units, values_of
 from .plain_c import c_texts, c_words, origin_of, valid_for, write_c
 
 
@@ -39,6 +39,9 @@ def element_c(element: Element, header: str) -> tuple[str, str]:
         *origin_of(element.identified),
     ]
     parameters = element.parameters() | {ORIGIN: Parameter(element.origin, None, element.unit)}
-    words = c_words(description, eq, about, parameters, element.descriptions() | {ORIGIN: ORIGIN_WORDS}, outputs, given)
+    said = element.descriptions() | {ORIGIN: ORIGIN_WORDS}
+    for name, (one, text) in channel_words(element).items():
+        parameters[name], said[name] = Parameter(one.reference, None, one.unit), text
+    words = c_words(description, eq, about, parameters, said, outputs, given)
     kind = {"thing": "force law by itself", "driven": "acceleration", "given": True}
     return c_texts(header, description, eq, values_of(element), words | kind)

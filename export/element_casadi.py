@@ -5,12 +5,14 @@
 ``OUT.casadi.json``   names, units, values with errors, widths
 
 ``z`` has no rows where no law has a memory. An element of ``p`` that is inf takes the identified value: give
-``casadi.inf`` for all of it. Inner states begin at zero, or at what ``follows`` says.
+``casadi.inf`` for all of it. Inner states begin at zero, or at what ``follows`` says. Where strengths depend on channels
+the functions have one input more, ``c``, behind ``p``: the channels, each the reference value where it is inf or left out.
 """
 
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -41,18 +43,27 @@ def export_element_casadi(element: Element, path: Path) -> tuple[Path, ...]:
 
 
 def force_function(element: Element, widths: np.ndarray | None = None) -> Any:
-    """casadi.Function (z, x, v, a, p) -> (F, zdot); with ``widths`` (surfaces,) its signs are smooth."""
+    """casadi.Function (z, x, v, a, p) -> (F, zdot); with ``widths`` (surfaces,) its signs are smooth.
+
+    With channels it has the input ``c`` too, in which these stand in the order of ``Element.channels``.
+    """
     import casadi as ca
 
     eq = equations(element)
-    identified = values_of(element)
-    inner = ca.SX.sym("z", eq.z.numel() - 2)
-    x, v, a, p = ca.SX.sym("x"), ca.SX.sym("v"), ca.SX.sym("a"), ca.SX.sym("p", eq.p.numel())
+    references = [one.reference for one in element.channels.values()]
+    identified = values_of(element)[: eq.p.numel() - len(references)]
+    inner, given = ca.SX.sym("z", eq.z.numel() - 2), ca.SX.sym("c", len(references))
+    x, v, a, p = ca.SX.sym("x"), ca.SX.sym("v"), ca.SX.sym("a"), ca.SX.sym("p", len(identified))
     both = ca.vertcat(eq.y[0], eq.zdot[2:])
     plain = signed(eq, both, None if widths is None or not len(widths) else ca.DM(widths))
     there = ca.Function("there", [eq.z, eq.t, eq.u, eq.p], [plain])
-    result = there(ca.vertcat(x, v, inner), 0.0, a, with_defaults(p, identified))
-    return ca.Function("force", [inner, x, v, a, p], [result[0], result[1:]], ["z", "x", "v", "a", "p"], ["F", "zdot"])
+    channels = ca.if_else(given < ca.inf, given, ca.DM(references)) if references else given
+    result = there(ca.vertcat(x, v, inner), 0.0, a, ca.vertcat(with_defaults(p, identified), channels))
+    inputs, names, options = [inner, x, v, a, p], ["z", "x", "v", "a", "p"], {}
+    if references:
+        inputs, names = [*inputs, given], [*names, "c"]
+        options = {"default_in": [0.0, 0.0, 0.0, 0.0, 0.0, math.inf]}
+    return ca.Function("force", inputs, [result[0], result[1:]], names, ["F", "zdot"], options)
 
 
 def describe(element: Element, eq: Equations, widths: np.ndarray) -> dict[str, Any]:
@@ -67,7 +78,7 @@ def describe(element: Element, eq: Equations, widths: np.ndarray) -> dict[str, A
         "format": "dashpot-element-casadi/1",
         "name": element.name,
         "equation": element.equation(),
-        "call": "F, zdot = f(z, x, v, a, p)",
+        "call": f"F, zdot = f(z, x, v, a, p{', c' if element.channels else ''})",
         "motion": {"x": element.unit, "v": f"{element.unit}/s", "a": f"{element.unit}/s2"},
         "force": element.force_unit,
         "z": [
@@ -75,5 +86,9 @@ def describe(element: Element, eq: Equations, widths: np.ndarray) -> dict[str, A
             for name, unit in zip(eq.state_names[2:], state_units(element, eq)[2:], strict=True)
         ],
         "parameters": [*parameters, origin],
+        "c": [
+            {"name": name, "unit": one.unit, "reference": one.reference, "min": one.low, "max": one.high}
+            for name, one in element.channels.items()
+        ],
         "widths": [float(width) for width in widths],
     }

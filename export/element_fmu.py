@@ -30,7 +30,7 @@ from .description import (
     integrated,
     smoothing_variable,
 )
-from .element_motion import max_step, motion_size, pace_of, state_units
+from .element_motion import channel_words, max_step, motion_size, pace_of, state_units
 from .fmu import MAIN, check_version, choose_backend, sources_of
 from .model_description import build_description, model_description
 from .platforms import Platform
@@ -89,7 +89,8 @@ def describe_element(element: Element, eq: Equations, *, version: int = 2) -> De
     """
     length, size, state_unit = element.unit, motion_size(element, eq), state_units(element, eq)
     acceleration, jerk = (units.compose(template, length) for template in ("X/s2", "X/s3"))
-    known = Knowns(eq, "acceleration", ("displacement", "velocity"))
+    channels = channel_words(element)
+    known = Knowns(eq, "acceleration", ("displacement", "velocity"), tuple(channels))
     energy, power = element.energy_units
     taken = "power that is taken from the motion for good"
     variables = [
@@ -117,6 +118,8 @@ def describe_element(element: Element, eq: Equations, *, version: int = 2) -> De
         variables.append(Variable(name, "parameter", i, unit, text, parameter.value, min=low, max=high))
     place = eq.parameter_names.index(ORIGIN)
     variables.append(Variable(ORIGIN, "parameter", place, length, ORIGIN_WORDS, element.origin))
+    for i, (name, (one, text)) in enumerate(channels.items(), start=place + 1):
+        variables.append(Variable(name, "channel", i, one.unit, text, one.reference))
     variables += inner_starts(eq, state_unit, ("displacement", "velocity"))
     text = "longest internal step: a part of the fastest motion that was recorded, or of what is faster within"
     variables += [

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model import units
+from ..model.dependence import Dependence
 from ..model.element import Element
 from ..model.equations import Equations
 from ..simulate.core import core_of, longest_step
@@ -17,13 +18,26 @@ from .smoothing import RELATIVE_WIDTH, MotionSize, Surface, texts, unit_of
 
 #: Longest internal step, s, where the laws have no rates along a motion of the recorded size.
 _STILL = 1e-3
+#: Names of variables that are there in any export.
+_TAKEN = ("displacement", "velocity", "acceleration", "F", "energy", "dissipated_power", "origin", "time", "max_step")
 #: The sine that is looked at: cycles, points of each, and every which of them surfaces are looked at.
 _CYCLES, _POINTS, _EVERY = 3, 400, 10
 
 
 def values_of(element: Element) -> list[float]:
-    """Plain values of all parameters of its equations; the last is the origin."""
-    return [*element.values().values(), element.origin]
+    """Plain values of all parameters of its equations; the last are the origin, and the channels at their references."""
+    return [*element.values().values(), element.origin, *(one.reference for one in element.channels.values())]
+
+
+def channel_words(element: Element) -> dict[str, tuple[Dependence, str]]:
+    """The channels as exports have them, by a name that no parameter has: unit, reference, and what it is in words."""
+    made = {}
+    for name, one in element.channels.items():
+        of = ", ".join(dict.fromkeys(other.of for other in element.dependences if other.channel == name))
+        covered = f"recorded from {one.low:.6g} to {one.high:.6g} {one.unit}"
+        words = f"{name.replace('_', ' ')}, on which {of} depends; {covered}, beyond which it is a guess"
+        made[f"{name}_channel" if name in {*element.members, *_TAKEN} else name] = one, words
+    return made
 
 
 def state_units(element: Element, eq: Equations) -> list[str]:
@@ -73,6 +87,7 @@ def motion_size(element: Element, eq: Equations) -> MotionSize:
     acceleration_unit = units.compose("X/s2", element.unit)
     given = [*state_units(element, eq), "s", acceleration_unit]
     given += [*(p.unit for p in element.parameters().values()), element.unit]
+    given += [one.unit for one in element.channels.values()]
     surfaces = [
         Surface(text, RELATIVE_WIDTH * float(size), unit_of(eq, eq.surfaces[i], given))
         for i, (text, size) in enumerate(zip(texts(eq, "a"), through, strict=True))

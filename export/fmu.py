@@ -46,6 +46,7 @@ _KINDS = {
     "extrapolation": "DP_EXTRAPOLATION",
     "physical": "DP_PHYSICAL",
     "motion": "DP_MOTION",
+    "channel": "DP_PARAMETER",
 }
 _HOLD = {
     2: "The input F is held over a communication step; give its slope with fmi2SetRealInputDerivatives before each "

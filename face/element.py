@@ -436,7 +436,9 @@ def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str,
                 f"--channel {name}=NUMBER, in {one.unit}, or name its column"
             )
         if units[name] != one.unit:
-            raise BadInput(f"{motion.name}: the channel {name} is in {units[name]}, and {element.name} has it in {one.unit}")
+            raise BadInput(
+                f"{motion.name}: the channel {name} is in {units[name]}, and {element.name} has it in {one.unit}"
+            )
     ends = [{name: float(end(values)) for name, values in motion.channels.items()} for end in (np.min, np.max)]
     made = force_along(element, motion.displacement, motion.dt, start=motion.start, channels=motion.channels)
     notes = beyond(element.dependences, *ends)

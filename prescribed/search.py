@@ -132,6 +132,7 @@ class Search:
         self.laws = asked() if laws is None else list(laws)
         self.every, self.progress, self.until = every, progress, until
         self.known: dict[tuple[str, ...], Fitted] = {}
+        self._beside_known: dict[tuple[str, ...], list[Fitted]] = {}
         self.untried: list[str] = []
         self._round = 0
 
@@ -233,16 +234,38 @@ class Search:
                 for other in self._exchanged(leader):
                     if float(self.judge.odds(other, best)[0]) > 0.0:
                         best = other
-                for way in leader.shape.ways:
-                    others = self._in_place_of(way, leader, led)
-                    other = best_of([leader, *others], lambda one: float(self.judge.odds(one, leader)[0]))
-                    best = best if other is leader or other is None else other
+                best = self._better(leader, best, laws=False)
             if best is leader and len(leader.names) < MOST_EFFECTS:
                 more = [one for one in self._added(leader) if self._matters(one, leader)]
                 decisive = [one for one in more if float(self.judge.odds(one, leader)[0]) > DECISIVE]
                 best = best_of(decisive, lambda one: float(self.judge.odds(one, leader)[0])) or leader
+            if best is leader:
+                best = self._better(leader, best, laws=True)
             leader = best
         return leader
+
+    def _better(self, leader: Fitted, best: Fitted, *, laws: bool) -> Fitted:
+        """The likeliest with another dependence, or a law, in the place of one on a channel; else what is best."""
+        for way in leader.shape.ways:
+            rest = without_way(leader.shape, way)
+            others = self._rivals(rest, leader) if laws else self._ways(rest, leader.values)
+            other = best_of([leader, *others], lambda one: float(self.judge.odds(one, leader)[0]))
+            if other is not None and other is not leader and float(self.judge.odds(other, best)[0]) > 0.0:
+                best = other
+        return best
+
+    def _ways(self, shape: Shape, values: Mapping[str, float]) -> list[Fitted]:
+        """A structure with one dependence on a channel more."""
+        if not self.problem.spans:
+            return []
+        return fitted_ways(self.problem, shape, values, lambda *how: self._kept(self._fitted(*how)))
+
+    def _rivals(self, rest: Shape, best: Fitted) -> list[Fitted]:
+        """What could be in the place of something that was named: laws and dependences beside the rest, asked once."""
+        names = tuple(sorted((*(law.name for law in rest.laws), *map(str, rest.ways))))
+        if names not in self._beside_known:
+            self._beside_known[names] = self._beside(rest, best.values, self._more_laws(best), _RIVALS)
+        return self._beside_known[names]
 
     @staticmethod
     def _matters(one: Fitted, leader: Fitted) -> bool:
@@ -258,16 +281,6 @@ class Search:
             one = self._kept(self._fitted(without_way(leader.shape, way), leader.values))
             made += [] if one is None else [one]
         return made
-
-    def _in_place_of(self, way: Way, leader: Fitted, led: set[tuple[str, ...]]) -> list[Fitted]:
-        """The leader with a law, or another dependence, in the place of one on a channel."""
-        rest = without_way(leader.shape, way)
-        names = {*(law.name for law in rest.laws), *map(str, rest.ways)}
-        ways = fitted_ways(self.problem, rest, leader.values, lambda *how: self._kept(self._fitted(*how)))
-        if tuple(sorted(names)) in led:  # whose neighbours were asked for
-            known = [o for o in self.known.values() if len(o.names) == len(names) + 1 and names < set(o.names)]
-            return [*ways, *known]
-        return [*ways, *self._beside(rest, leader.values, self._more_laws(leader), _REFINED)]
 
     def _more_laws(self, leader: Fitted) -> list[Law]:
         return [law for law in self.laws if law.name not in leader.names]
@@ -296,9 +309,7 @@ class Search:
         probed.sort(key=lambda one: one[0])
         first = list(dict.fromkeys(law.name for _, law, _ in probed))[:most]
         made = self._refined(shape, values, [(law, probe) for _, law, probe in probed if law.name in first])
-        if not self.problem.spans:
-            return made
-        return [*fitted_ways(self.problem, shape, values, lambda *how: self._kept(self._fitted(*how))), *made]
+        return [*self._ways(shape, values), *made]
 
     def _refined(
         self, shape: Shape, values: Mapping[str, float], begun: Sequence[tuple[Law, Mapping[str, float]]]
@@ -342,7 +353,7 @@ class Search:
         Rivals are the smallest set that holds the share ``GROUP`` of the probability, with one cause in its place.
         """
         without = self._fitted(rest, best.values)
-        others = self._beside(rest, best.values, self._more_laws(best), _RIVALS)
+        others = self._rivals(rest, best)
         odds, there = {cause: np.zeros(1 + BAGS)}, {*(law.name for law in rest.laws), *map(str, rest.ways)}
         for other in [*others, *([] if without is None else [without])]:
             (name,) = set(other.names) - there or {""}

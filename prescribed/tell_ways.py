@@ -82,7 +82,9 @@ def said_of(found: Found, element: Element) -> list[str]:
     made = []
     for named in found.dependent:
         forms, _ = _apart(named)
-        apart = f" (or {spoken([_FORMS[how] for how in forms], 'or')}: the recordings do not tell which)" if forms else ""
+        apart = (
+            f" (or {spoken([_FORMS[how] for how in forms], 'or')}: the recordings do not tell which)" if forms else ""
+        )
         made.append(f"{dependence_in_words(named, element)}{apart}")
     return made
 
