@@ -5,8 +5,9 @@
 ``OUT.casadi.json``   names, units, values with errors, widths
 
 ``z`` has no rows where no law has a memory. An element of ``p`` that is inf takes the identified value: give
-``casadi.inf`` for all of it. Inner states begin at zero, or at what ``follows`` says. Where strengths depend on channels
-the functions have one input more, ``c``, behind ``p``: the channels, each the reference value where it is inf or left out.
+``casadi.inf`` for all of it. Inner states begin at zero, or at what ``follows`` says. Where strengths depend on
+channels the functions have one input more, ``c``, behind ``p``: the channels, each the reference value where it is inf
+or left out.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ _CYCLES, _POINTS, _EVERY = 3, 400, 10
 
 
 def values_of(element: Element) -> list[float]:
-    """Plain values of all parameters of its equations; the last are the origin, and the channels at their references."""
+    """Plain values of all parameters of its equations; the last are the origin and the channels' references."""
     return [*element.values().values(), element.origin, *(one.reference for one in element.channels.values())]
 
 

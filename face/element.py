@@ -415,7 +415,10 @@ def verified(fmu: Path, recordings: Sequence[Recording], **how: Any) -> Verifica
 
 
 def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str, float, list[str]]:
-    """CSV of time, displacement, recorded force and that of the element along one recording; what is left, NRMSE; notes.
+    """CSV of time, displacement, recorded force and that of the element along one recording.
+
+    Returns:
+        The table, what is left as NRMSE, and notes.
 
     Raises BadInput where there are several recordings, its motion was not prescribed, or a channel is missing.
     """

@@ -36,10 +36,10 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[dict[st
     Raises:
         BadInput: the file is not there, or nothing in it is a record.
     """
+    from ..recording.channel import sought, stated_channels
     from ..recording.columns import parse_column
     from ..recording.content import MOST_MB
     from ..recording.part import parse_part
-    from ..recording.channel import sought, stated_channels
     from ..recording.read import recording_of, tables_at
 
     response, part = options.get("response"), options.get("part")

@@ -87,7 +87,7 @@ def check_channels(given: Any, strengths: Mapping[str, str], document: Document)
         if isinstance(of, str) and of not in strengths:
             document.report((*path, "of"), f"nothing is called so that may depend on it; {suggestion(of, strengths)}")
             continue
-        if not isinstance(of, str) or how not in FORMS:
+        if not isinstance(of, str) or not isinstance(how, str) or how not in FORMS:
             continue
         if (of, channel) in taken:
             document.report((*path, "of"), f"{of} depends on {channel} already; leave one of the two out")

@@ -14,6 +14,7 @@ from .. import __version__
 from ..errors import BadInput
 from ..identify.fit.limits import CYCLES
 from ..identify.signals.odds import ABOVE_NOISE, SIGNIFICANT
+from ..model.dependence import FORMS
 from ..model.element import Element
 from ..model.law import Law
 from ..model.library import find
@@ -22,12 +23,13 @@ from ..recording.checks import overlapping
 from ..recording.prescribed import refuse_free
 from ..recording.recording import Recording
 from ..simulate.imposed import force_along
-from .channels import spans_of
+from .channels import Way, spans_of
 from .columns import SEARCHED
 from .errors import element_of
 from .fit import Fitted, Problem
 from .motion import Imposed, imposed, origin_of, unit_of_motion
 from .search import Found, Search
+from .ways import forms_told
 
 
 @dataclass(frozen=True)
@@ -125,7 +127,7 @@ def identify_element(
     search = Search(problem, every=every)
     asked = [text for text in laws if ":" in text]
     begun = search.with_laws([_force_law(law) for law in laws if law not in asked])
-    fitted = search.plainest(search.with_ways(begun, asked))
+    fitted = search.plainest(search.anew(search.with_ways(begun, asked)))
     return _fit_of(fitted, problem, recordings, name)
 
 
@@ -162,7 +164,10 @@ def diagnose_element(
     whole = Problem(motions, (), origin, spans=spans)
     everything = [*recordings, *holdout]
     before = _fit_of(_again(found.plain, whole), whole, everything, name)
-    after = _fit_of(_again(found.best, whole), whole, everything, name) if found.named or found.dependent else None
+    best = _again(found.best, whole)
+    if found.dependent:
+        best, found = _with_forms(best, whole, found)
+    after = _fit_of(best, whole, everything, name) if found.named or found.dependent else None
     each = [problem.held_records(fitted) for fitted in (found.plain, found.best)]
     records = [tuple(Record(m.name, *pair) for m, pair in zip(held, pairs, strict=True)) for pairs in each]
     progress("done", 1.0)
@@ -203,6 +208,19 @@ def _in_pieces(motions: Sequence[Imposed]) -> tuple[tuple[Imposed, ...], tuple[I
         training.append(motion.part(0, cut))
         held.append(motion.part(cut, motion.n))
     return tuple(training), tuple(held)
+
+
+def _with_forms(best: Fitted, whole: Problem, found: Found) -> tuple[Fitted, Found]:
+    """The best with the forms of its dependences that all recordings ask for, and what was found with those."""
+    search = Search(whole)
+    best, told = forms_told(whole, search.judge, whole.weighed(best), search.fitted)
+    dependent = []
+    for named in found.dependent:
+        way, near = told[named.way]
+        own = {str(Way(way.channel, way.of, how)) for how in FORMS}
+        others = [name for name in named.rivals if name not in own]
+        dependent.append(replace(named, way=way, rivals=(*near, *others)))
+    return best, replace(found, dependent=tuple(dependent))
 
 
 def _again(fitted: Fitted, problem: Problem) -> Fitted:

@@ -34,6 +34,7 @@ _FARTHEST = numerics(300.0, "of a logarithm", why="beyond it a number overflows"
 _ENOUGH = budget(6000, "samples", why="by which laws are compared at their probes; all are fitted to all")
 _FINEST = numerics(1e-12, "of a column", why="rounding")
 _LOST = numerics(10.0, "times what is left", why="where a law makes no force: the search turns back")
+_KEPT = budget(6, "columns", why="of a law along a motion, which a search comes back to")
 _ROUNDS = numerics(2, "times", why="recordings are weighed anew: levels then stay within a hundredth")
 
 
@@ -131,6 +132,7 @@ class Problem:
         self.spans = dict(spans or {})
         self.motions, self.held, self.origin, self.turn = tuple(motions), tuple(held), origin, turn
         self._members: dict[int, np.ndarray] = {}
+        self._laws: dict[tuple[str, int], dict[tuple[float, ...], np.ndarray]] = {}
         self._doubted: dict[int, Imposed] = {}
         length = max(float(np.max(np.abs(m.displacement - origin))) for m in motions)
         pace = float(np.median([m.pace for m in motions]))
@@ -248,8 +250,18 @@ class Problem:
         rows = [self._members[id(motion)][[FITTED.index(name) for name in shape.members]]]
         for law in shape.laws:
             own = {p.name: values[f"{law.name}.{p.name}"] for p in law.parameters if not p.strength}
-            rows.append(of_law(law, own, motion, self.origin, self.turn))
+            rows.append(self._of_law(law, own, motion))
         return self._by_channels(shape, values, motion, np.vstack(rows))
+
+    def _of_law(self, law: Law, own: Mapping[str, float], motion: Imposed) -> np.ndarray:
+        """Columns of a law, the latest kept: a search moves one number of one law at a time."""
+        known = self._laws.setdefault((law.name, id(motion)), {})
+        at = tuple(own.values())
+        if at not in known:
+            if len(known) >= _KEPT:
+                del known[next(iter(known))]
+            known[at] = of_law(law, own, motion, self.origin, self.turn)
+        return known[at]
 
     def _by_channels(self, shape: Shape, values: Mapping[str, float], motion: Imposed, rows: np.ndarray) -> np.ndarray:
         """(linear, n) of the columns (strengths, n), as they depend on channels."""

@@ -76,7 +76,8 @@ class Judge:
     def _by_chance(self, fitted: Fitted, count: int) -> float:
         """Part of the power left that random smooth functions of the motion take away: of the best twentieth of them.
 
-        They are functions of the channels too, where there are any. Less what the members and laws that are there can imitate.
+        They are functions of the channels too, where there are any. Less what the members and laws that are there can
+        imitate.
         """
         if id(fitted) not in self._chance:
             self._chance[id(fitted)] = (fitted, *self._drawn(fitted))

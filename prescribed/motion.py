@@ -143,8 +143,13 @@ def imposed(recording: Recording) -> Imposed:
         told,
         max(drive.noise, rounding_noise(drive.samples), _LEAST_NOISE * float(np.std(drive.samples))),
         (otherwise[0], otherwise[1]),
-        {channel.name: channel.over(recording.n) for channel in recording.channels},
+        {channel.name: _quieter(channel.over(recording.n)) for channel in recording.channels},
     )
+
+
+def _quieter(channel: np.ndarray) -> np.ndarray:
+    """(n,) of a channel less its noise, as the displacement is: a force times noise would look like another force."""
+    return with_polynomials(channel, _smoothing(channel, _ORDER)[0], _ORDER) if np.ptp(channel) > 0.0 else channel
 
 
 def _smoothing(signal: np.ndarray, order: int) -> tuple[int, float]:

@@ -132,6 +132,7 @@ class Search:
         self.laws = asked() if laws is None else list(laws)
         self.every, self.progress, self.until = every, progress, until
         self.known: dict[tuple[str, ...], Fitted] = {}
+        self._ways_known: dict[tuple[str, ...], list[Fitted]] = {}
         self._beside_known: dict[tuple[str, ...], list[Fitted]] = {}
         self.untried: list[str] = []
         self._round = 0
@@ -158,7 +159,7 @@ class Search:
 
     def members_alone(self) -> Fitted:
         """All members, and no law."""
-        made = self._fitted(Shape(), {})
+        made = self.fitted(Shape(), {})
         assert made is not None  # members are numbers along any motion
         return made
 
@@ -180,10 +181,19 @@ class Search:
             if any((other.of, other.channel) == (way.of, way.channel) for other in fitted.shape.ways):
                 raise BadInput(f"'{text}': {way.of} depends on {way.channel} already; leave one of the two out")
             begun = {**fitted.values, way.name: 1.0 if way.how == "power" else 0.0}
-            made = self._fitted(replace(fitted.shape, ways=(*fitted.shape.ways, way)), begun)
+            made = self.fitted(replace(fitted.shape, ways=(*fitted.shape.ways, way)), begun)
             if made is None:
                 raise BadInput(f"'{text}': no force comes of it along these motions; leave it out")
             fitted = made
+        return fitted
+
+    def anew(self, fitted: Fitted) -> Fitted:
+        """The best from all probes of its laws too: beside what depends on channels these may lie elsewhere."""
+        for law in fitted.shape.laws if fitted.shape.ways else ():
+            for _, probe in self._probed(without_law(fitted.shape, law), fitted.values, law):
+                at = {**fitted.values, **{f"{law.name}.{name}": value for name, value in probe.items()}}
+                one = self.fitted(fitted.shape, at)
+                fitted = fitted if one is None or not one.likelihood > fitted.likelihood else one
         return fitted
 
     def plainest(self, fitted: Fitted) -> Fitted:
@@ -191,7 +201,7 @@ class Search:
         needed = {way.of for way in fitted.shape.ways}
         while not self.every and fitted.shape.members:
             left = [name for name in fitted.shape.members if name not in needed]
-            shorter = [self._fitted(self._less(fitted, name), fitted.values) for name in left]
+            shorter = [self.fitted(self._less(fitted, name), fitted.values) for name in left]
             there = [one for one in shorter if one is not None]
             odds = [float(self.judge.odds(fitted, one)[0]) for one in there]
             if not odds or not min(odds) <= 0.0:
@@ -206,7 +216,8 @@ class Search:
     def _over(self) -> bool:
         return time.monotonic() > self.until
 
-    def _fitted(self, shape: Shape, begun: Mapping[str, float]) -> Fitted | None:
+    def fitted(self, shape: Shape, begun: Mapping[str, float]) -> Fitted | None:
+        """A structure fitted from its places, with its likelihood; None where no force comes of it."""
         made = self.problem.fit(shape, begun)
         return None if made is None else self.problem.weighed(made)
 
@@ -238,10 +249,10 @@ class Search:
             if best is leader and len(leader.names) < MOST_EFFECTS:
                 more = [one for one in self._added(leader) if self._matters(one, leader)]
                 decisive = [one for one in more if float(self.judge.odds(one, leader)[0]) > DECISIVE]
-                best = best_of(decisive, lambda one: float(self.judge.odds(one, leader)[0])) or leader
+                best = best_of(decisive, self._odds_against(leader)) or leader
             if best is leader:
                 best = self._better(leader, best, laws=True)
-            leader = best
+            leader = best if best is leader else self._kept(self.anew(best)) or best
         return leader
 
     def _better(self, leader: Fitted, best: Fitted, *, laws: bool) -> Fitted:
@@ -249,16 +260,25 @@ class Search:
         for way in leader.shape.ways:
             rest = without_way(leader.shape, way)
             others = self._rivals(rest, leader) if laws else self._ways(rest, leader.values)
-            other = best_of([leader, *others], lambda one: float(self.judge.odds(one, leader)[0]))
+            other = best_of([leader, *others], self._odds_against(leader))
             if other is not None and other is not leader and float(self.judge.odds(other, best)[0]) > 0.0:
                 best = other
         return best
 
+    def _odds_against(self, leader: Fitted) -> Callable[[Fitted], float]:
+        return lambda one: float(self.judge.odds(one, leader)[0])
+
     def _ways(self, shape: Shape, values: Mapping[str, float]) -> list[Fitted]:
         """A structure with one dependence on a channel more."""
-        if not self.problem.spans:
+        names = tuple(sorted((*(law.name for law in shape.laws), *map(str, shape.ways))))
+        if not self.problem.spans or self._over():
+            self.untried += ["what depends on a channel"] if self.problem.spans else []
             return []
-        return fitted_ways(self.problem, shape, values, lambda *how: self._kept(self._fitted(*how)))
+        if names not in self._ways_known:
+            self._said("what depends on a channel", 0.0)
+            fit = lambda *how: self._kept(self.fitted(*how))  # noqa: E731
+            self._ways_known[names] = fitted_ways(self.problem, shape, values, fit)
+        return self._ways_known[names]
 
     def _rivals(self, rest: Shape, best: Fitted) -> list[Fitted]:
         """What could be in the place of something that was named: laws and dependences beside the rest, asked once."""
@@ -275,10 +295,10 @@ class Search:
     def _shorter(self, leader: Fitted) -> list[Fitted]:
         made = []
         for law in leader.shape.laws:
-            one = self._kept(self._fitted(without_law(leader.shape, law), leader.values))
+            one = self._kept(self.fitted(without_law(leader.shape, law), leader.values))
             made += [] if one is None else [one]
         for way in leader.shape.ways:
-            one = self._kept(self._fitted(without_way(leader.shape, way), leader.values))
+            one = self._kept(self.fitted(without_way(leader.shape, way), leader.values))
             made += [] if one is None else [one]
         return made
 
@@ -318,7 +338,7 @@ class Search:
         made: dict[str, Fitted] = {}
         for law, probe in begun:
             at = {**values, **{f"{law.name}.{name}": value for name, value in probe.items()}}
-            one = self._kept(self._fitted(replace(shape, laws=(*shape.laws, law)), at))
+            one = self._kept(self.fitted(replace(shape, laws=(*shape.laws, law)), at))
             if one is not None and (law.name not in made or one.likelihood > made[law.name].likelihood):
                 made[law.name] = one
         ordered = sorted(made.values(), key=lambda one: -one.likelihood)
@@ -329,7 +349,7 @@ class Search:
         shapes = frozenset(f"{law.name}.{p.name}" for law in fitted.shape.laws for p in law.parameters if p.shape)
         if not shapes - fitted.shape.freed:
             return fitted
-        freed = self._fitted(replace(fitted.shape, freed=shapes), fitted.values)
+        freed = self.fitted(replace(fitted.shape, freed=shapes), fitted.values)
         if freed is None or not float(self.judge.odds(freed, fitted)[0]) > DECISIVE:
             return fitted
         return self._kept(freed) or fitted
@@ -352,7 +372,7 @@ class Search:
 
         Rivals are the smallest set that holds the share ``GROUP`` of the probability, with one cause in its place.
         """
-        without = self._fitted(rest, best.values)
+        without = self.fitted(rest, best.values)
         others = self._rivals(rest, best)
         odds, there = {cause: np.zeros(1 + BAGS)}, {*(law.name for law in rest.laws), *map(str, rest.ways)}
         for other in [*others, *([] if without is None else [without])]:

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from ..identify.signals.odds import DECISIVE
 from ..identify.signals.registry import budget, numerics
 from ..model.law import Law
 from .channels import Way, ways_of
 from .fit import Fitted, Problem, Shape
+from .judge import Judge
 
-_LINEAR = budget(6, "strengths", why="of those that gain most where they may bend with a channel, that are fitted")
-_BENT = budget(3, "strengths", why="of those that are fitted, the likeliest, of which each other form is")
+_LINEAR = budget(4, "strengths", why="of those that gain most where they may bend with a channel, that are fitted")
+_BENT = budget(2, "strengths", why="of those that are fitted, the likeliest, of which each other form is")
 _BEGIN = {"power": 1.0, "inverse": 0.0}
 _ALIKE = numerics(0.01, "of log-odds", why="by which forms differ that the same two values of a channel show")
 
@@ -60,10 +64,70 @@ def fitted_ways(problem: Problem, shape: Shape, values: Mapping[str, float], fit
 
 
 def best_of(made: Sequence[Fitted], odds: Callable[[Fitted], float]) -> Fitted | None:
-    """The most probable, and of what is alike but for rounding the first; None of none."""
+    """The most probable, and of what is alike but for rounding the first; None of none.
+
+    Of the forms of one dependence that the fitted recordings do not decisively tell apart the one is taken that leaves
+    the least of those that were held out.
+    """
     best: tuple[float, Fitted] | None = None
     for one in made:
         value = odds(one)
         if best is None or value > best[0] + _ALIKE:
             best = value, one
-    return None if best is None else best[1]
+    if best is None or not best[1].held:
+        return None if best is None else best[1]
+    alike = [one for one in made if _apart(one, best[1]) and best[0] - odds(one) < DECISIVE]
+    return min([best[1], *alike], key=lambda one: _told(_left(one)))
+
+
+def _odds_against(judge: Judge, fitted: Fitted) -> Callable[[Fitted], float]:
+    return lambda one: float(judge.odds(one, fitted)[0])
+
+
+def _apart(one: Fitted, other: Fitted) -> bool:
+    """Whether two structures differ in the form of their last dependence alone."""
+    ways, others = one.shape.ways, other.shape.ways
+    if len(ways) != len(others) or not ways or ways[:-1] != others[:-1] or one.shape.laws != other.shape.laws:
+        return False
+    return (ways[-1].of, ways[-1].channel) == (others[-1].of, others[-1].channel) and ways[-1] != others[-1]
+
+
+def _left(fitted: Fitted) -> float:
+    """Sum of the squares that are left of what was held out."""
+    return sum(float(np.sum(left**2)) for left in fitted.held)
+
+
+def _told(value: float) -> float:
+    """A sum to so many digits that rounding does not decide."""
+    return float(f"{value:.4g}")
+
+
+def forms_told(
+    problem: Problem, judge: Judge, fitted: Fitted, fit: Fit
+) -> tuple[Fitted, dict[Way, tuple[Way, list[str]]]]:
+    """The likeliest form of each dependence on all recordings, and those that these do not decisively tell from it.
+
+    Args:
+        problem: all recordings.
+        judge: of the same.
+        fitted: to all of them.
+        fit: fits a structure from its places.
+
+    Returns:
+        The structure, and for each dependence that it had the one that it has now, and names of forms not told.
+    """
+    told: dict[Way, tuple[Way, list[str]]] = {}
+    for way in fitted.shape.ways:
+        rest = without_way(fitted.shape, way)
+        made = []
+        for other in ways_of(problem.spans[way.channel], way.of):
+            at = {**fitted.values, other.name: fitted.values.get(other.name, _BEGIN.get(other.how, 0.0))}
+            one = fitted if other == way else fit(replace(rest, ways=(*rest.ways, other)), at)
+            if one is not None:
+                made.append((other, one))
+        likeliest = best_of([one for _, one in made], _odds_against(judge, fitted)) or fitted
+        chosen = next((other for other, one in made if one is likeliest), way)
+        near = [other for other, one in made if float(judge.odds(likeliest, one)[0]) < DECISIVE and other != chosen]
+        told[way] = chosen, [str(other) for other in near]
+        fitted = likeliest
+    return fitted, told

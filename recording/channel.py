@@ -41,11 +41,11 @@ class Channel:
 
     def over(self, n: int) -> np.ndarray:
         """(n,) of each sample."""
-        return np.full(n, self.values) if isinstance(self.values, float) else self.values
+        return self.values if isinstance(self.values, np.ndarray) else np.full(n, float(self.values))
 
     def slice(self, first: int, last: int) -> Channel:
         """Of the samples from one to another."""
-        cut = self.values if isinstance(self.values, float) else self.values[first:last]
+        cut = self.values[first:last] if isinstance(self.values, np.ndarray) else self.values
         return Channel(self.name, self.unit, cut)
 
 
@@ -209,7 +209,8 @@ def sought(table: Table, stated: Sequence[Stated]) -> list[Sought]:
             )
         if not unit_text:
             raise BadInput(
-                f"{table.where}: nobody says the unit of the channel {name}; write --channel '{name}={one.column} [UNIT]'"
+                f"{table.where}: nobody says the unit of the channel {name}; write "
+                f"--channel '{name}={one.column} [UNIT]'"
             )
         unit = channel_unit(name, unit_text, table.where)
         rows = unit.factor * table.numbers([index])[:, 0] + unit.offset
@@ -253,6 +254,6 @@ def refuse_gaps(where: str, name: str, rows: np.ndarray) -> None:
     bad = np.flatnonzero(~np.isfinite(rows))
     if bad.size:
         raise BadInput(
-            f"{where}: the channel {name} has {bad.size} sample(s) that are no number, the first in row {bad[0] + 1} of "
-            "the data; fill them, or keep a part without them (--part)"
+            f"{where}: the channel {name} has {bad.size} sample(s) that are no number, the first in row {bad[0] + 1} "
+            "of the data; fill them, or keep a part without them (--part)"
         )

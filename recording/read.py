@@ -261,7 +261,8 @@ def _beside(where: str, further: Sequence[Sought], rows: int) -> np.ndarray:
     for one in made:
         if one.rows is not None and one.rows.size != rows:
             raise BadInput(
-                f"{where}: the channel {one.name} has {one.rows.size} values and the record {rows} rows; give one for each"
+                f"{where}: the channel {one.name} has {one.rows.size} values and the record {rows} rows; "
+                "give one for each"
             )
     return np.column_stack([np.zeros((rows, 0)), *(one.rows for one in made if one.rows is not None)])
 
