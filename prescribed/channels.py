@@ -64,6 +64,11 @@ class Way:
     def __str__(self) -> str:
         return f"{self.of}({self.channel}, {self.how})"
 
+    @property
+    def begun(self) -> float:
+        """Where its own number is begun: in proportion, or no dependence."""
+        return 1.0 if self.how == "power" else 0.0
+
     def placed(self) -> LawParameter | None:
         """Its own number, where the force is not linear in that."""
         if self.how == "power":

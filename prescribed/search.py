@@ -180,7 +180,7 @@ class Search:
             way = parsed(text, self.problem.spans, [*fitted.shape.strengths(), "load"])
             if any((other.of, other.channel) == (way.of, way.channel) for other in fitted.shape.ways):
                 raise BadInput(f"'{text}': {way.of} depends on {way.channel} already; leave one of the two out")
-            begun = {**fitted.values, way.name: 1.0 if way.how == "power" else 0.0}
+            begun = {**fitted.values, way.name: way.begun}
             made = self.fitted(replace(fitted.shape, ways=(*fitted.shape.ways, way)), begun)
             if made is None:
                 raise BadInput(f"'{text}': no force comes of it along these motions; leave it out")

@@ -16,7 +16,6 @@ from .judge import Judge
 
 _LINEAR = budget(4, "strengths", why="of those that gain most where they may bend with a channel, that are fitted")
 _BENT = budget(2, "strengths", why="of those that are fitted, the likeliest, of which each other form is")
-_BEGIN = {"power": 1.0, "inverse": 0.0}
 _ALIKE = numerics(0.01, "of log-odds", why="by which forms differ that the same two values of a channel show")
 
 Fit = Callable[[Shape, Mapping[str, float]], Fitted | None]
@@ -57,7 +56,7 @@ def fitted_ways(problem: Problem, shape: Shape, values: Mapping[str, float], fit
         for way in ways_of(problem.spans[channel], of):
             if way.how == "linear":
                 continue
-            at = {**values, way.name: _BEGIN.get(way.how, 0.0)}
+            at = {**values, way.name: way.begun}
             one = fit(replace(shape, ways=(*shape.ways, way)), at)
             made[of, channel] += [] if one is None else [one]
     return [one for pair in likeliest for one in made[pair]]
@@ -121,7 +120,7 @@ def forms_told(
         rest = without_way(fitted.shape, way)
         made = []
         for other in ways_of(problem.spans[way.channel], way.of):
-            at = {**fitted.values, other.name: fitted.values.get(other.name, _BEGIN.get(other.how, 0.0))}
+            at = {**fitted.values, other.name: fitted.values.get(other.name, other.begun)}
             one = fitted if other == way else fit(replace(rest, ways=(*rest.ways, other)), at)
             if one is not None:
                 made.append((other, one))
