@@ -34,6 +34,7 @@ _REFINED = budget(5, "laws", why="of those that gain most at their probes, that 
 _SHAPES = budget(2, "shapes, or sides", why="of a law that are fitted: what leaves the least at its probes")
 _SHAPED = budget(3, "laws", why="of those that are fitted, the likeliest, whose shapes are freed")
 _RIVALS = budget(8, "laws", why="that are tried in the place of each that was found")
+_OWN = budget(3, "laws", why="of those that are fitted, the likeliest, whose strength may grow with a channel")
 _LEFT = shown(0.6, "of the way", why="that is left after each round of laws: most searches take three to six")
 _ALL = shown(0.9, "of the way", why="that the search takes; the rest is what follows it")
 _PATHS = ("restoring", "dissipation", "memory")
@@ -259,7 +260,7 @@ class Search:
         """The likeliest with another dependence, or a law, in the place of one on a channel; else what is best."""
         for way in leader.shape.ways:
             rest = without_way(leader.shape, way)
-            others = self._rivals(rest, leader) if laws else self._ways(rest, leader.values)
+            others = self._with_own(rest, self._rivals(rest, leader)) if laws else self._ways(rest, leader.values)
             other = best_of([leader, *others], self._odds_against(leader))
             if other is not None and other is not leader and float(self.judge.odds(other, best)[0]) > 0.0:
                 best = other
@@ -313,7 +314,29 @@ class Search:
         return made
 
     def _added(self, leader: Fitted) -> list[Fitted]:
-        return self._beside(leader.shape, leader.values, self._more_laws(leader), _REFINED)
+        made = self._beside(leader.shape, leader.values, self._more_laws(leader), _REFINED)
+        return self._with_own(leader.shape, made)
+
+    def _with_own(self, base: Shape, made: list[Fitted]) -> list[Fitted]:
+        """These, and the likeliest with a law more than the base, now with a strength that grows with a channel.
+
+        A law whose strength differs between recordings explains none of them while it is the same in all.
+        """
+        if not self.problem.spans or self._over():
+            return made
+        laws = [one for one in made if len(one.shape.laws) > len(base.laws)]
+        both = []
+        for one in sorted(laws, key=lambda one: -one.likelihood)[:_OWN]:
+            law = next(law for law in one.shape.laws if law not in base.laws)
+            of = next((f"{law.name}.{p.name}" for p in law.parameters if p.strength), None)
+            for channel in self.problem.spans if of is not None else ():
+                way = Way(channel, of or "", "linear")
+                names = tuple(sorted((*one.names, str(way))))
+                if names not in self.known:
+                    self._kept(self.fitted(replace(one.shape, ways=(*one.shape.ways, way)), one.values))
+                kept = self.known.get(names)
+                both += [] if kept is None else [kept]
+        return [*made, *both]
 
     def _beside(self, shape: Shape, values: Mapping[str, float], laws: Sequence[Law], most: int) -> list[Fitted]:
         """A structure with one law more: of those that gain most at their probes, with all else free."""
