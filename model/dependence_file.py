@@ -97,11 +97,16 @@ def check_channels(given: Any, strengths: Mapping[str, str], document: Document)
             if other != own and entry.get(other) is not None:
                 document.report((*path, other), f"is nothing of '{how}'; leave it out")
         span = entry.get("valid")
+        if isinstance(entry.get("unit"), str):
+            try:
+                units.factors(unit)
+            except BadInput as problem:
+                document.report((*path, "unit"), str(problem))
+                continue
         try:
-            units.factors(unit)
             low, high, at = float(span["min"]), float(span["max"]), float(entry["at"])  # type: ignore[index]
             wanted = own_unit(how, strengths[of], unit)
-        except (TypeError, KeyError, ValueError, BadInput):  # of which its form says what is wrong
+        except (TypeError, KeyError, ValueError):  # of which its form says what is wrong
             continue
         if own:
             names.append(Dependence(channel, of, how, at, unit, low, high).name)

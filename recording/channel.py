@@ -241,7 +241,7 @@ def of_value(stated: Stated, where: str) -> Sought:
             raise BadInput(f"{where}: the channel {stated.name} has shape {rows.shape}; it must be one column")
     else:
         number = float(vector_of([value], f"{where}: the channel {stated.name}")[0])
-    unit = channel_unit(stated.name, unit_text or "1", where)
+    unit = channel_unit(stated.name, unit_text, where)
     if rows is not None:
         return Sought(stated.name, unit.si, None, unit.factor * rows + unit.offset)
     if not math.isfinite(number):

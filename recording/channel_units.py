@@ -81,14 +81,18 @@ def channel_unit(name: str, text: str, where: str) -> ChannelUnit:
     Raises:
         BadInput: nobody knows the unit, or what bears such a name is not measured in it.
     """
-    unit = find_channel_unit(text)
+    expected = _OF_NAME.get(name.lower())
+    if not text.strip() and expected is not None:
+        raise BadInput(
+            f"{where}: nobody says the unit of the channel {name}; write it behind the number, as in 20 {expected[0]}"
+        )
+    unit = find_channel_unit(text.strip() or "1")
     if unit is None:
         near = difflib.get_close_matches(text.strip(), [*_UNITS, *_WORDS, "A", "mA", "V", "N", "mm"], n=3, cutoff=0.5)
         advice = (
             f"did you mean {' or '.join(near)}?" if near else f"known are {', '.join(_UNITS)}, A, V, N, mm and more"
         )
         raise BadInput(f"{where}: the unit '{text.strip()}' of the channel {name} is not known; {advice}")
-    expected = _OF_NAME.get(name.lower())
     if expected is not None and unit.si not in expected:
         raise BadInput(
             f"{where}: the channel {name} is in '{unit.text}', and a {name} is measured in {' or '.join(expected)}; "
