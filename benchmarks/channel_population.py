@@ -3,10 +3,11 @@
     python benchmarks/channel_population.py [--n N] [--seed S] [--json OUT.json]
 
 Random specimens as in `prescribed_population.py`. Of each five one has a channel on which nothing depends; of the
-others a strength depends on a temperature, a pressure, a current, a gap or a load, by a quarter to three times over what
-was recorded. The channel is one number for each of three files, or a column that drifts or swings while the machine
-runs. In every third specimen a law is missing besides. A fourth recording is held out. A dependence is named right where
-strength and channel are; its form where that is the true one, or among those that are said not to be told from it.
+others a strength depends on a temperature, a pressure, a current, a gap or a load, by a quarter to three times over
+what was recorded. The channel is one number for each of three files, or a column that drifts or swings while the
+machine runs. In every third specimen a law is missing besides. A fourth recording is held out. A dependence is named
+right where strength and channel are; its form where that is the true one, or among those that are said not to be told
+from it.
 """
 
 from __future__ import annotations
@@ -150,9 +151,9 @@ def _own(way: tuple[str, str, str] | None, low: float, high: float, times: float
 
 def score(seed: int) -> dict[str, object]:
     """What came out of one rig."""
-    rig, begin = rig_of(seed), time.perf_counter()
+    rig, begin = rig_of(seed), time.process_time()
     found = diagnose_element(rig.recordings[:3], rig.recordings[3:])
-    seconds = time.perf_counter() - begin
+    seconds = time.process_time() - begin
     laws = [named.law.name for named in found.found.named]
     ways = [named.way for named in found.found.dependent]
     pair = None if rig.way is None else rig.way[:2]

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
 from ..files.arguments import text_of
+from ..recording.prescribed import refuse_channels
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis
@@ -118,6 +119,14 @@ def identified(
     begin = None if isinstance(start, Element) else start
     own = set() if element is None else {term.effect for term in element.terms}
     recordings = read()
+    if element is not None and element.dependences:
+        from ..identify.from_element import at_channels
+
+        element, said = at_channels(element, recordings)
+        for note in said:
+            notes(f"note: {note}")
+        recordings = [replace(recording, channels=()) for recording in recordings]
+    refuse_channels(recordings)
     _each_once(recordings)  # the modes of thirty copies take a quarter of a minute
     alone, band, wanted = mode_beside(recordings, mode, begin, notes)
 
@@ -235,6 +244,7 @@ def diagnosed(
     from ..identify.of_base import taking_part
     from ..model.parameter import Parameter
 
+    refuse_channels([*training, *held])
     _each_once([*training, *held])
     mass = oscillator.mass
     whole = any(r.rides for r in (*training, *held)) and (mass is None or not oscillator.takes_acceleration)

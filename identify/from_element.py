@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ..errors import BadInput
 from ..model import Oscillator
 from ..model.element import INERTIA, Element
@@ -59,6 +61,28 @@ def identify_from(
         estimate = found.oscillator
     final = answer(start_of(element, estimate, divisor), kept(element, divisor, freed), True)
     return replace(final, notes=(*_notes(element, divisor, freed, final.oscillator), *final.notes))
+
+
+def at_channels(element: Element, recordings: Sequence[Recording]) -> tuple[Element, list[str]]:
+    """An element where the channels of a rig's recordings are, or its own references; and what is to be said of that."""
+    values, said = {}, []
+    for name, one in element.channels.items():
+        there = [channel for r in recordings for channel in r.channels if channel.name == name]
+        if any(channel.unit != one.unit for channel in there):
+            raise BadInput(f"the channel {name} is in {there[0].unit}, and {element.name} has it in {one.unit}")
+        known = np.concatenate([np.atleast_1d(np.asarray(channel.values, float)) for channel in there] or [np.zeros(0)])
+        if not known.size:
+            said.append(
+                f"{element.name} depends on the {name}, and is taken at {one.reference:.4g} {one.unit}, where it is "
+                f"stated; --channel {name}=NUMBER takes it elsewhere"
+            )
+            continue
+        values[name] = float(np.mean(known))
+        span = "" if np.ptp(known) == 0.0 else f", the mean of {np.min(known):.4g} to {np.max(known):.4g}"
+        said.append(f"{element.name} is taken at a {name} of {values[name]:.4g} {one.unit}{span}")
+        outside = one.beyond(float(np.min(known)), float(np.max(known)))
+        said += [outside] if outside else []
+    return element.at(values), said
 
 
 def start_of(element: Element, estimate: Oscillator, mass: float) -> Oscillator:

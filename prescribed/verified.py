@@ -134,17 +134,18 @@ def run_imposed(run: FmuRun, recording: Recording) -> ImposedRun:
                 "with --prescribed, --force and their units"
             )
     motion = imposed(recording)
-    force = run.force_along(motion.displacement, motion.dt, motion.start)
+    channels = _channels(run, recording, motion)
+    force = run.force_along(motion.displacement, motion.dt, motion.start, channels)
     inside = run.element
     told = motion.told
     values, covariance = np.zeros(0), np.zeros((0, 0))
 
     def asked(displacement: np.ndarray, _: np.ndarray) -> np.ndarray:
-        return run.force_along(displacement, motion.dt, motion.start)
+        return run.force_along(displacement, motion.dt, motion.start, channels)
 
     respond: Callable[[np.ndarray, np.ndarray], np.ndarray] = asked
     if inside is not None:
-        made = force_along(inside, motion.displacement, motion.dt, start=motion.start)
+        made = force_along(inside, motion.displacement, motion.dt, start=motion.start, channels=motion.channels)
         if float(np.sqrt(np.mean((made - force)[told] ** 2))) <= SAME * motion.noise:  # it stands in for the FMU
             values = np.array(list(inside.values().values()))
             covariance = covariance_of(inside, tuple(inside.parameters()))
@@ -153,11 +154,29 @@ def run_imposed(run: FmuRun, recording: Recording) -> ImposedRun:
     return ImposedRun(recording, motion, force + constant, respond, values, covariance)
 
 
+def _channels(run: FmuRun, recording: Recording, motion: Imposed) -> list[np.ndarray]:
+    """(n,) of each further input of an FMU; raises BadInput where the recording lacks it, or has another unit."""
+    units, made = {channel.name: channel.unit for channel in recording.channels}, []
+    for name in run.channels:
+        own = name if name in units else name.removesuffix("_channel")
+        wanted = run.variables[name].unit
+        if own not in units:
+            raise BadInput(
+                f"{recording.name}: the force of {run.path} depends on the {own}, and nobody says what it was; give it "
+                f"with --channel {own}=NUMBER{f', in {wanted}' if wanted else ''}, or name its column"
+            )
+        if wanted not in (None, units[own]):
+            raise BadInput(f"{recording.name}: the channel {own} is in {units[own]}, and {run.path} has it in {wanted}")
+        made.append(motion.channels[own])
+    return made
+
+
 def _core_of(element: Element, motion: Imposed) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
     parameters = element.parameters()
 
     def respond(displacement: np.ndarray, values: np.ndarray) -> np.ndarray:
         moved = {n: replace(p, value=float(v)) for (n, p), v in zip(parameters.items(), values, strict=True)}
-        return force_along(element.with_parameters(moved), displacement, motion.dt, start=motion.start)
+        how = {"start": motion.start, "channels": motion.channels}
+        return force_along(element.with_parameters(moved), displacement, motion.dt, **how)
 
     return respond

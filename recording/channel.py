@@ -198,9 +198,9 @@ def sought(table: Table, stated: Sequence[Stated]) -> list[Sought]:
         index = find_column(table, "channel", one.column)
         column = parse_column(table.names[index], table.units[index])
         name, unit_text = one.name or column.base.strip(), one.unit or column.unit_text
-        if not unit_text and (tail := column.name.rpartition("_")[2]) != column.name:
-            if find_channel_unit(tail) is not None:
-                name, unit_text = one.name or column.name.rpartition("_")[0], tail
+        head, _, tail = column.name.rpartition("_")
+        if not unit_text and head and find_channel_unit(tail) is not None:
+            name, unit_text = one.name or head, tail
         name = re.sub(r"\W+", "_", name).strip("_")
         if not _NAME.match(name):
             raise BadInput(

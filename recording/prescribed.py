@@ -19,6 +19,16 @@ def refuse_prescribed(recordings: Sequence[Recording]) -> None:
             )
 
 
+def refuse_channels(recordings: Sequence[Recording]) -> None:
+    """Raises BadInput where channels were given to what asks for none."""
+    for recording in recordings:
+        if recording.channels:
+            raise BadInput(
+                f"{recording.name}: the channel {recording.channels[0].name} was given, and what depends on one is asked "
+                "of a prescribed motion alone (--prescribed), or taken from an element (--from); leave --channel out"
+            )
+
+
 def refuse_free(recordings: Sequence[Recording]) -> None:
     """Raises BadInput where nobody says that a motion was prescribed: what is asked for is a force law by itself."""
     for recording in recordings:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import stat
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import mkdtemp
@@ -137,7 +137,10 @@ class FmuRun:
         #: The element inside, of an FMU whose motion is given; None where it holds none.
         self.element = element_inside(self._folder / "resources" / "element.yaml")
         #: Whether its motion is given.
-        self.moved = {v.name for v in variables if v.causality == "input"}.issuperset(MOTION)
+        inputs = [v.name for v in variables if v.causality == "input"]
+        self.moved = set(inputs).issuperset(MOTION)
+        #: Names of further inputs of such an FMU, in their order: channels that its force depends on.
+        self.channels = [name for name in inputs if name not in (*MOTION, f"{MOTION[-1]}_rate")] if self.moved else []
         self._said: list[str] = []
 
     def _ask(self, head: dict[str, Any], numbers: bytes = b"", *, doing: str) -> tuple[dict[str, Any], bytes]:
@@ -234,20 +237,22 @@ class FmuRun:
         }
         return self._recorded(head, rows.tobytes() + jumps.tobytes(), dt)
 
-    def force_along(self, displacement: np.ndarray, dt: float, start: float = 0.0) -> np.ndarray:
+    def force_along(
+        self, displacement: np.ndarray, dt: float, start: float = 0.0, channels: Sequence[np.ndarray] = ()
+    ) -> np.ndarray:
         """(n,) the output F along the cubic spline through a displacement (n,), which is given to it.
 
-        Raises as ``record``.
+        ``channels`` are (n,) each, in the order of its further inputs; each is held over a step. Raises as ``record``.
         """
         velocity, acceleration = spline_of(displacement, dt)
-        rows = np.zeros((displacement.size - 1, len(MOTION) + self._orders))
-        rows[:, 0], rows[:, 1], rows[:, 2] = displacement[:-1], velocity[:-1], acceleration[:-1]
-        if self._orders:
-            rows[:, 3] = np.diff(acceleration) / dt
-        first = (displacement[0], velocity[0], acceleration[0])
+        slopes = [np.diff(acceleration) / dt] if self._orders else []
+        given = (displacement, velocity, *channels, acceleration)
+        rows = np.column_stack([*(signal[:-1] for signal in given), *slopes])
+        rows = np.hstack([rows, np.zeros((len(rows), max(self._orders - 1, 0)))])
+        names = (*MOTION[:-1], *self.channels, MOTION[-1])
         head = {
             "output": "F",
-            "given": {name: float(value) for name, value in zip(MOTION, first, strict=True)},
+            "given": {name: float(signal[0]) for name, signal in zip(names, given, strict=True)},
             "time": start,
             "n": displacement.size,
             "step": dt,

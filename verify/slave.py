@@ -33,7 +33,8 @@ class Slave(ABC):
 
     Attributes:
         orders: derivatives of the input that a step takes; 0 where the input is held.
-        columns: numbers that a step takes: of a motion that is given its place, the input and its derivatives.
+        columns: numbers that a step takes: of a motion that is given its place and its channels, the input and its
+            derivatives.
         fmu: FMPy's own object.
         said: messages of the FMU, the first ``_MOST_SAID`` of them.
         made: steps made so far.
@@ -43,7 +44,8 @@ class Slave(ABC):
         self._variables = {v.name: v.valueReference for v in description.modelVariables}
         moved = is_moved(description)
         self._driven = MOTION[-1] if moved else "F"
-        self._places = [self._variables[name] for name in MOTION[:-1]] if moved else []
+        beside = channels_of(description)
+        self._places = [self._variables[name] for name in (*MOTION[:-1], *beside)] if moved else []
         self._rate = self._variables.get(f"{self._driven}_rate")
         self.orders = 0 if self._rate is None else 1
         self.fmu = self._made()(
@@ -257,6 +259,12 @@ def is_moved(description: Any) -> bool:
     """Whether the motion is given to it, and a force F comes out."""
     inputs = {variable.name for variable in description.modelVariables if variable.causality == "input"}
     return inputs.issuperset(MOTION)
+
+
+def channels_of(description: Any) -> tuple[str, ...]:
+    """Further inputs of an FMU whose motion is given: what its force depends on."""
+    known = {*MOTION, f"{MOTION[-1]}_rate"}
+    return tuple(v.name for v in description.modelVariables if v.causality == "input" and v.name not in known)
 
 
 def described(folder: Path, shown: str) -> Any:

@@ -226,3 +226,77 @@ def test_the_fmu_of_an_element_is_verified_along_recorded_motions(folder: Path, 
     assert "nobody says that its motion was prescribed" in capsys.readouterr().err
     check = dashpot.load_element(made).verify(folder / "plain.csv", prescribed="stroke_mm")
     assert check.passed
+
+
+@pytest.fixture(scope="module")
+def under_current(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A damper at three currents, by whose force alone these differ."""
+    made = tmp_path_factory.mktemp("current")
+    for seed, current in enumerate((0.0, 0.5, 1.0)):
+        specimen = Specimen(MEMBERS | {"viscous": 700.0 + 600.0 * current})
+        table(made, f"at_{current:g}A.csv", specimen, ("sweep", "sines", "random")[seed], 1.0 - 0.1 * seed, seed)
+    return made
+
+
+def test_a_channel_is_asked_about_named_and_carried_on(under_current: Path, tmp_path: Path, capsys) -> None:
+    files = [under_current / f"at_{current}A.csv" for current in ("0", "0.5", "1")]
+    how = ("--prescribed", "stroke_mm")
+    made, out = tmp_path / "damper.yaml", tmp_path / "diagnosis"
+    assert ended("look", files[0], *how, "--channel", "current=0A") == 0
+    assert "0 to 0 A" in capsys.readouterr().out
+    assert ended("identify", *files, *how, "--channel", "current=0A,0.5A,1A", "-o", made, "-q") == 1
+    assert "current" not in made.read_text()
+    given = ("--channel", "current=0A,0.5A,1A", "--holdout", files[2])
+    assert ended("diagnose", made, files[0], files[1], *how, *given, "-o", out) == 0
+    shown = capsys.readouterr().out
+    assert "Missing: viscous damping grows with the current, in a straight line, from 7" in shown
+    assert "(viscous + current_slope (current - 0.5)) x'" in shown
+    page = (out / "report.html").read_text()
+    assert "Viscous damping grows with the current" in page
+    element = load_element(out / "model.yaml")
+    assert element.parameters()["viscous.current_slope"].value == pytest.approx(600.0, rel=0.02)
+    assert ended("show", out / "model.yaml") == 0
+    assert "0 to 1 A (what depends on it is stated at 0.5 A)" in capsys.readouterr().out
+    force = tmp_path / "force.csv"
+    assert ended("simulate", out / "model.yaml", files[1], *how, "--channel", "current=0.5A", "-o", force) == 0
+    assert re.search(r"differs from the recorded one by 0\.\d+ %", capsys.readouterr().err)
+    assert ended("simulate", out / "model.yaml", files[1], *how, "--channel", "current=1.5A", "-o", force) == 0
+    assert "current is 1.5 A, and the recordings covered 0 to 1 A: beyond that viscous is a guess" in (
+        capsys.readouterr().err
+    )
+    if (out / "model.fmu").exists():
+        assert ended("verify", out / "model.fmu", files[1], *how, "--channel", "current=0.5A") == 0
+        assert ended("verify", out / "model.fmu", files[1], *how) == 2
+        assert "depends on the current, and nobody says what it was" in capsys.readouterr().err
+
+
+def test_what_is_to_depend_on_a_channel_is_said_by_with(under_current: Path, tmp_path: Path, capsys) -> None:
+    made, how = tmp_path / "damper.yaml", ("--prescribed", "stroke_mm")
+    given = ("--channel", "current=at_0A.csv:0A,at_1A.csv:1A", "--with", "viscous:current")
+    assert ended("identify", under_current / "at_0A.csv", under_current / "at_1A.csv", *how, *given, "-o", made) == 0
+    assert "change of viscous with current" in capsys.readouterr().out
+    force = dashpot.load_element(made).force(1e-3 * np.sin(np.arange(200) / 20.0), 100.0, current=1.0)
+    plain = dashpot.load_element(made).element.at({"current": 1.0})
+    assert plain.values()["viscous"] == pytest.approx(1300.0, rel=0.02)
+    assert np.std(force) > 0.0
+    with pytest.raises(dashpot.BadInput, match="depends on no channel 'pressure'"):
+        dashpot.load_element(made).force(np.sin(np.arange(200) / 20.0), 100.0, pressure=1.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--prescribed", "stroke_mm", "--channel", "current=1A"), "the channel current never changes"),
+        (("--prescribed", "stroke_mm", "--channel", "current=1A,2A,3A"), "has 3 values, and 2 recordings were given"),
+        (("--prescribed", "stroke_mm", "--channel", "current=0A,1kg"), "a current is measured in A"),
+        (("--prescribed", "stroke_mm", "--channel", "oil"), "has no column 'oil'"),
+        (("--response", "stroke_mm", "--channel", "current=0A,1A"), "is asked of a prescribed motion alone"),
+    ],
+)
+def test_a_channel_that_tells_nothing_is_refused(
+    under_current: Path, tmp_path: Path, capsys, arguments: tuple[str, ...], words: str
+) -> None:
+    made = tmp_path / "damper.yaml"
+    assert ended("identify", under_current / "at_0A.csv", under_current / "at_1A.csv", *arguments, "-o", made) == 2
+    assert words in capsys.readouterr().err
+    assert not made.exists()
