@@ -64,7 +64,7 @@ def identify_from(
 
 
 def at_channels(element: Element, recordings: Sequence[Recording]) -> tuple[Element, list[str]]:
-    """An element where the channels of a rig's recordings are, or its own references; and what is to be said of that."""
+    """An element where the channels of a rig's recordings are, or its own references; with what is to be said."""
     values, said = {}, []
     for name, one in element.channels.items():
         there = [channel for r in recordings for channel in r.channels if channel.name == name]

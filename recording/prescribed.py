@@ -24,8 +24,8 @@ def refuse_channels(recordings: Sequence[Recording]) -> None:
     for recording in recordings:
         if recording.channels:
             raise BadInput(
-                f"{recording.name}: the channel {recording.channels[0].name} was given, and what depends on one is asked "
-                "of a prescribed motion alone (--prescribed), or taken from an element (--from); leave --channel out"
+                f"{recording.name}: the channel {recording.channels[0].name} was given, and what depends on one is "
+                "asked of a prescribed motion alone (--prescribed), or taken from an element (--from); leave --channel out"
             )
 
 
