@@ -25,7 +25,7 @@ def refuse_channels(recordings: Sequence[Recording]) -> None:
         if recording.channels:
             raise BadInput(
                 f"{recording.name}: the channel {recording.channels[0].name} was given, and what depends on one is "
-                "asked of a prescribed motion alone (--prescribed), or taken from an element (--from); leave --channel out"
+                "asked of a prescribed motion alone (--prescribed), or taken from an element (--from); leave it out"
             )
 
 
