@@ -189,8 +189,8 @@ static int dp_get_reals(dp_component *c, const unsigned *vr, size_t n, double *v
     for (i = 0; i < n; ++i) {
         value[i] = dp_instance_get(&c->state.model, vr[i]);
         if (!isfinite(value[i]))
-            return dp_report(c, DP_DISCARD, DP_FMI "%s: variable %u is not finite with these parameters", function,
-                             vr[i]);
+            return dp_report(c, DP_DISCARD, DP_FMI "%s: %s is not finite with these parameters", function,
+                             dp_variables[vr[i]].name);
     }
     return DP_FINE;
 }
@@ -215,22 +215,22 @@ static int dp_set_reals(dp_component *c, const unsigned *vr, size_t n, const dou
     if (dp_bad_references(c, vr, n, value, function)) return DP_ERROR;
     for (i = 0; i < n; ++i) { /* all or nothing */
         const int kind = dp_variables[vr[i]].kind;
+        const char *const name = dp_variables[vr[i]].name;
         if (!isfinite(value[i]))
-            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u: not a finite number", function, vr[i]);
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s: not a finite number", function, name);
         /* an importer that integrates may set states one by one, as CasADi does */
         if (((kind >= DP_OUTPUT && kind <= DP_TIME) || kind == DP_PHYSICAL) &&
             !(c->state.mode == DP_CONTINUOUS && dp_instance_state(&dp_variables[vr[i]]) >= 0))
-            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is computed, not set", function, vr[i]);
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s is computed, not set", function, name);
         if ((kind == DP_INITIAL || kind == DP_LONGEST_STEP || kind == DP_EXTRAPOLATION) && c->state.model.running)
-            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is fixed after initialization", function, vr[i]);
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s is fixed after initialization", function, name);
         if (kind == DP_LONGEST_STEP && !(value[i] > 0.0))
-            return dp_report(c, DP_ERROR, DP_FMI "%s: the longest internal step must be positive, not %g", function,
-                             value[i]);
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s, the longest internal step, must be positive, not %g", function,
+                             name, value[i]);
         if (kind == DP_SMOOTHING && !(value[i] >= 0.0))
-            return dp_report(c, DP_ERROR, DP_FMI "%s: the smoothing must be zero or positive, not %g", function,
-                             value[i]);
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s must be zero or positive, not %g", function, name, value[i]);
         if (value[i] < dp_variables[vr[i]].low || value[i] > dp_variables[vr[i]].high)
-            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u: %g is outside its bounds, %g to %g", function, vr[i],
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s: %g is outside its bounds, %g to %g", function, name,
                              value[i], dp_variables[vr[i]].low, dp_variables[vr[i]].high);
     }
     if (dp_weightless(&c->state.model, vr, n, value))
@@ -277,9 +277,11 @@ static int dp_derivative(dp_component *c, const unsigned *unknown, size_t n, con
     if (dp_bad_references(c, known, count, seed, function)) return DP_ERROR;
     memset(&direction, 0, sizeof direction);
     for (i = 0; i < count; ++i) {
-        if (!isfinite(seed[i])) return dp_report(c, DP_ERROR, DP_FMI "%s: a seed is not a finite number", function);
+        if (!isfinite(seed[i]))
+            return dp_report(c, DP_ERROR, DP_FMI "%s: the seed of %s is not a finite number", function,
+                             dp_variables[known[i]].name);
         if (!dp_move(c, known[i], seed[i], &direction))
-            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is not known now", function, known[i]);
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s is not known now", function, dp_variables[known[i]].name);
     }
     dp_continuous_tangent(&c->state.model, &direction, &change);
     for (i = 0; i < n; ++i) {
@@ -293,11 +295,10 @@ static int dp_derivative(dp_component *c, const unsigned *unknown, size_t n, con
         case DP_STATE: sensitivity[i] = direction.z[v->index]; break;
         case DP_SWING:
         case DP_OUTSIDE: sensitivity[i] = 0.0; break;
-        default: return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is not unknown", function, unknown[i]);
+        default: return dp_report(c, DP_ERROR, DP_FMI "%s: %s is not unknown", function, v->name);
         }
         if (!isfinite(sensitivity[i]))
-            return dp_report(c, DP_DISCARD, DP_FMI "%s: variable %u has no finite derivative here", function,
-                             unknown[i]);
+            return dp_report(c, DP_DISCARD, DP_FMI "%s: %s has no finite derivative here", function, v->name);
     }
     return DP_FINE;
 }

@@ -62,7 +62,7 @@ static int dp_output_rates(dp_component *c, const unsigned *vr, size_t n, const 
     for (i = 0; i < n; ++i) {
         const int kind = dp_variables[vr[i]].kind;
         if (kind < DP_OUTPUT || kind > DP_OUTSIDE)
-            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is no output", function, vr[i]);
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s is no output", function, dp_variables[vr[i]].name);
         if (order[i] != 1) return dp_report(c, DP_ERROR, DP_FMI "%s: gives derivatives of order 1", function);
     }
     if (n > 0) dp_continuous_course(&c->state.model, &change);
@@ -70,7 +70,7 @@ static int dp_output_rates(dp_component *c, const unsigned *vr, size_t n, const 
         const dp_variable *v = &dp_variables[vr[i]];
         value[i] = v->kind == DP_OUTPUT ? change.y[v->index] : v->kind == DP_POWER ? change.power[v->index] : 0.0;
         if (!isfinite(value[i]))
-            return dp_report(c, DP_DISCARD, DP_FMI "%s: variable %u has no finite derivative here", function, vr[i]);
+            return dp_report(c, DP_DISCARD, DP_FMI "%s: %s has no finite derivative here", function, v->name);
     }
     return DP_FINE;
 }
@@ -108,11 +108,19 @@ static int dp_wrong_size(const dp_component *c, size_t n, size_t size, const voi
     return n > 0 && !value ? dp_null(c, function) : 0;
 }
 
+/* Name of the variable that the state of that number is. */
+static const char *dp_state_name(size_t state) {
+    unsigned i = 0;
+    while (i + 1 < DP_NV && dp_instance_state(&dp_variables[i]) != (int)state) ++i;
+    return dp_variables[i].name;
+}
+
 static int dp_set_states(dp_component *c, const double *z, size_t n, const char *function) {
     size_t i;
     if (dp_refused(c, DP_CONTINUOUS, function) || dp_wrong_size(c, n, DP_OWN, z, function)) return DP_ERROR;
     for (i = 0; i < n; ++i)
-        if (!isfinite(z[i])) return dp_report(c, DP_ERROR, DP_FMI "%s: state %u is not finite", function, (unsigned)i);
+        if (!isfinite(z[i]))
+            return dp_report(c, DP_ERROR, DP_FMI "%s: %s is not finite", function, dp_state_name(i + DP_GIVEN));
     if (n > 0) memcpy(c->state.model.engine.z + DP_GIVEN, z, n * sizeof *z);
     c->state.model.ready = 0;
     return DP_FINE;
@@ -134,7 +142,8 @@ static int dp_get_rates(dp_component *c, double *f, size_t n, const char *functi
     if (n > 0) memcpy(f, c->state.model.f + DP_GIVEN, n * sizeof *f);
     for (i = 0; i < n; ++i)
         if (!isfinite(f[i]))
-            return dp_report(c, DP_DISCARD, DP_FMI "%s: rate %u is not finite here", function, (unsigned)i);
+            return dp_report(c, DP_DISCARD, DP_FMI "%s: der(%s) is not finite here", function,
+                             dp_state_name(i + DP_GIVEN));
     return DP_FINE;
 }
 

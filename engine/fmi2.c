@@ -119,7 +119,8 @@ FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, cons
         if (dp_variables[vr[i]].kind == DP_MOTION) continue; /* the next of the inputs says it */
         if (DP_GIVEN && dp_variables[vr[i]].kind == DP_PARAMETER) continue; /* a channel is held over a step */
         if (dp_variables[vr[i]].kind != DP_INPUT)
-            return (fmi2Status)dp_report(c, DP_ERROR, "fmi2%s: variable %u is no input", here, vr[i]);
+            return (fmi2Status)dp_report(c, DP_ERROR, "fmi2%s: %s is no input", here,
+                                         dp_variables[vr[i]].name);
         if (order[i] < 1 || order[i] > DP_ORDERS || !isfinite(value[i]))
             return (fmi2Status)dp_report(c, DP_ERROR, "fmi2%s: takes finite derivatives of order 1 to %d", here,
                                          DP_ORDERS);

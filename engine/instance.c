@@ -26,6 +26,7 @@ typedef struct {
     int index; /* within the kind: which output, parameter, initial state */
     double start;
     double low, high; /* bounds; infinite where there is none */
+    const char *name; /* for what is told the importer */
 } dp_variable;
 
 #include "variables.h" /* generated: the variables by value reference, and the sizes of the motion */

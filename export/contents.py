@@ -1,4 +1,4 @@
-"""What an FMU of either back-end holds beside its binary: the model file it came from, and a reference result."""
+"""What an FMU of either back-end holds beside its binary: its model file, icon, terminal, and a reference result."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from .description import Description
 from .facts import Facts
 from .reference import reference_result
 from .render import plain_text
+from .terminals import terminals_and_icons
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -18,12 +19,13 @@ if TYPE_CHECKING:
 _LONGEST_NAME = 255
 
 
-def further_contents(facts: Facts, description: Description) -> dict[str, bytes]:
-    """Model file and reference result by their names in the archive.
+def further_contents(facts: Facts, description: Description, version: int = 2) -> dict[str, bytes]:
+    """Model file, reference result, icon and terminal by their names in the archive of an FMU of that version of FMI.
 
     Raises BadInput where the model has no motion to integrate.
     """
-    return model_file(facts.oscillator) | reference_result(facts, description)
+    own = model_file(facts.oscillator) | terminals_and_icons(description, version)
+    return own | reference_result(facts, description)
 
 
 def model_file(oscillator: Oscillator) -> dict[str, bytes]:

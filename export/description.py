@@ -15,6 +15,7 @@ from ..model.fit_state import state_of_fit
 from ..model.law import Expression
 from ..model.oscillator import HOLDS
 from ..model.physical import QUANTITIES, physical
+from .experiment import Experiment, experiment
 from .facts import Facts
 from .render import plain_text
 from .smoothing import MotionSize
@@ -121,7 +122,7 @@ class Description:
         name, identifier, equation: of the model.
         state: what must be known of its fit; empty: nothing. See ``state_of_fit``.
         variables: all of them.
-        stop_time, step_size: of the default experiment, s.
+        experiment: what an importer runs that is told nothing.
         follows: for each state the index of the one that its start value is counted from, or None.
         ranges: of each switching surface the size that it goes through, in its unit.
         nominals: typical size of each state.
@@ -132,8 +133,7 @@ class Description:
     identifier: str
     equation: str
     variables: tuple[Variable, ...]
-    stop_time: float
-    step_size: float
+    experiment: Experiment
     follows: tuple[int | None, ...] = (None, None)
     ranges: tuple[float, ...] = ()
     nominals: tuple[float, ...] = (1.0, 1.0)
@@ -232,15 +232,13 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
             Variable("time", "time", 0, "s", "time"),
             Variable("F_rate", "slope", 0, rate, "slope of F over the coming communication steps", 0.0),
         ]
-    stop = _stop_time(oscillator.omega0.value)
     covered = oscillator.amplitude
     return Description(
         plain_text(oscillator.name) or "oscillator",
         identifier_of(oscillator.name),
         plain_text(oscillator.equation()),
         tuple(variables),
-        stop,
-        stop / 1e4,
+        experiment(facts.natural[0]),
         eq.follows,
         size.ranges,
         size.nominals,
@@ -392,12 +390,6 @@ def identifier_of(name: str) -> str:
 
 def _is_si(unit: str) -> bool:
     return all(symbol in units.SYMBOLS for symbol in units.factors(unit))
-
-
-def _stop_time(omega0: float) -> float:
-    """A hundred periods, rounded up to a power of ten: the default experiment."""
-    periods = 100.0 * 2.0 * math.pi / omega0 if omega0 > 0.0 else 10.0
-    return 10.0 ** math.ceil(math.log10(periods))
 
 
 # Which inputs, states and start values an expression of the model depends on: FMI's dependencies.

@@ -55,6 +55,7 @@ def documentation(facts: Facts, description: Description, hold: str) -> str:
         ),
         warnings=[full_stop(sentence) for sentence in model_warnings(oscillator)],
         ranges=_ranges(oscillator),
+        outside=oscillator.amplitude is not None and description.place("outside") is not None,
         variables=[
             (v.name, pretty_unit(v.unit), f"{v.variability} {v.causality}", v.description)
             for v in description.variables

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 #: So many are tried for each draw before it is said that there are too few.
 _TRIES = 1000
 #: What nature wants positive though no bound of its law says so: a fit may find it negative, then it stays free.
-_POSITIVE = ("preload", "viscous", "dry")
+_POSITIVE = ("preload", "viscous")
 
 
 def draws(oscillator: Oscillator, count: int, seed: int = 0) -> list[dict[str, float]]:
@@ -73,7 +73,8 @@ def limits(oscillator: Oscillator, name: str) -> tuple[float, float]:
             return next((p.lower, p.upper) for p in term.law.parameters if p.name == own)
     if name in ("mass", "omega0"):
         return math.nextafter(0.0, 1.0), math.inf
-    positive = name in _POSITIVE and oscillator.values()[name] >= 0
+    wanted = name in _POSITIVE or oscillator.bounds()[name][0] >= 0
+    positive = wanted and oscillator.values()[name] >= 0
     return (0.0 if positive else -math.inf), math.inf
 
 

@@ -31,6 +31,7 @@ from .description import (
     smoothing_variable,
 )
 from .element_motion import channel_words, max_step, motion_size, pace_of, state_units
+from .experiment import experiment
 from .fmu import MAIN, check_version, choose_backend, sources_of
 from .model_description import build_description, model_description
 from .platforms import Platform
@@ -133,15 +134,12 @@ def describe_element(element: Element, eq: Equations, *, version: int = 2) -> De
             Variable("time", "time", 0, "s", "time"),
             Variable("acceleration_rate", "slope", 0, jerk, text, 0.0),
         ]
-    pace = pace_of(element)
-    stop = 10.0 ** math.ceil(math.log10(20.0 * 2.0 * math.pi / pace))
     return Description(
         plain_text(element.name) or "element",
         identifier_of(element.name),
         plain_text(element.equation()),
         tuple(variables),
-        stop,
-        2.0 * math.pi / pace / 100.0,
+        experiment(pace_of(element)),
         eq.follows,
         size.ranges,
         size.nominals,

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from ..errors import BadInput
 from ..files.computed_once import computed_once
@@ -15,6 +18,8 @@ from .smoothing import MotionSize, Sample, amplitude_of, motion_size, sample_mot
 if TYPE_CHECKING:
     from ..model import Oscillator
 
+#: The amplitude at which a model is run, in parts of the largest that it was identified for.
+LARGE = 0.9
 #: Longest internal step, s, of a model that neither swings nor decays.
 _STILL_STEP = 1e-3
 
@@ -70,6 +75,19 @@ class Facts:
     def size(self) -> MotionSize:
         """How large surfaces and states become in the model's own motion."""
         return motion_size(self.oscillator, self.equations, lambda: self.sample)
+
+    @computed_once
+    def natural(self) -> tuple[float, float]:
+        """Natural frequency, rad/s, and damping h, 1/s, near the largest amplitude, or what stands in where it does not
+        swing."""
+        try:
+            with np.errstate(all="ignore"):
+                omega, h = (float(series[0]) for series in self.harmonic.natural(LARGE * self.amplitude))
+        except BadInput:
+            omega, h = math.nan, math.nan
+        plain = self.oscillator.omega0.value
+        omega = omega if math.isfinite(omega) and omega > 0 else plain if plain > 0 else 2 * math.pi
+        return omega, h if math.isfinite(h) and h > 0 else 0.0
 
     @computed_once
     def harmonic(self) -> HarmonicMotion:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -163,13 +164,17 @@ def _native_entries(
     entries |= binaries(sources, MAIN, description.identifier, platforms, version=version, progress=progress)
     if progress is not None:
         progress(remark(platforms))
-    return entries | further_contents(facts, description)
+    return entries | further_contents(facts, description, version)
 
 
 def _variables_header(description: Description, guid: str) -> str:
-    """The C table of the variables, the motion's sizes, the state of the fit. No text of a model's own reaches it."""
+    """The C table of the variables, the motion's sizes, the state of the fit.
+
+    Of a model's own texts the names of laws alone reach it, made fit for a string of C and for a log.
+    """
     rows = [
-        f"    {{{_KINDS[v.role]}, {v.index}, {v.start_text or '0.0'}, {_bounds(v)}}},\n" for v in description.variables
+        f'    {{{_KINDS[v.role]}, {v.index}, {v.start_text or "0.0"}, {_bounds(v)}, "{_in_a_message(v.name)}"}},\n'
+        for v in description.variables
     ]
     follows = ", ".join("-1" if leader is None else str(leader) for leader in description.follows)
     low, high = description.amplitude
@@ -193,6 +198,11 @@ def _variables_header(description: Description, guid: str) -> str:
         "/* What each surface goes through. */\n"
         f"static const double dp_range[DP_NS + 1] = {{{', '.join(map(repr, (*description.ranges, 1.0)))}}};\n"
     )
+
+
+def _in_a_message(name: str) -> str:
+    """The name of a variable as it can stand in a C string and in a log that importers format again."""
+    return re.sub(r"[^A-Za-z0-9_.()/ -]", "_", name)
 
 
 def _place(description: Description, role: str) -> int:

@@ -18,7 +18,7 @@ from ..simulate.compiler import find_compiler
 from ..simulate.core import core_of
 from ..simulate.force import Force, straight_lines
 from .description import Description
-from .facts import Facts
+from .facts import LARGE, Facts
 from .render import plain_text
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _SAMPLES = 601
 _SAMPLES_A_CYCLE = 25
 #: The sweep in parts of the natural frequency; the peak it should reach, in parts of the largest valid amplitude.
 _FROM, _TO = 0.7, 1.4
-_LEAST, _MOST = 0.45, 0.9
+_LEAST, _MOST = 0.45, LARGE
 #: A motion below this part of the largest amplitude shows nothing of the model.
 _LITTLE = 1e-3
 _TRIALS = 20
@@ -85,7 +85,7 @@ def reference(facts: Facts) -> Reference | str:
     """
     oscillator, top = facts.oscillator, facts.amplitude
     run = _Run(facts)
-    omega, h = _natural(facts, _MOST * top)
+    omega, h = facts.natural
     dt = _round_down(2 * math.pi / omega / _SAMPLES_A_CYCLE)
     if dt * _SAMPLES > _MOST_STEPS * facts.max_step:
         return f"its fastest motion needs internal steps of {facts.max_step:.2g} s, too many for a sweep"
@@ -154,20 +154,6 @@ class _Run:
             ends = [force.pieces[k, 0], force.pieces[k, 0] + force.pieces[k, 1] * dt]
             states.append(np.array(step(states[-1], ends, self.values, k * dt, dt)).ravel())
         return np.array(states)
-
-
-def _natural(facts: Facts, amplitude: float) -> tuple[float, float]:
-    """Natural frequency, rad/s, and damping h, 1/s, at the amplitude, or what stands in where it does not swing."""
-    from ..errors import BadInput
-
-    try:
-        with np.errstate(all="ignore"):
-            omega, h = (float(series[0]) for series in facts.harmonic.natural(amplitude))
-    except BadInput:
-        omega, h = math.nan, math.nan
-    plain = facts.oscillator.omega0.value
-    omega = omega if math.isfinite(omega) and omega > 0 else plain if plain > 0 else 2 * math.pi
-    return omega, h if math.isfinite(h) and h > 0 else 0.0
 
 
 def _band(oscillator: Oscillator, natural: float) -> tuple[float, float]:

@@ -113,7 +113,7 @@ def _entries(
             signals=_signals(description),
             units=_known(description, {v.unit for v in _signals(description)}),
             parameter_set=text.strip(),
-            stop_time=description.stop_time,
+            stop_time=description.experiment.stop,
         )
         entries["SystemStructure.ssd" if name == "nominal" else f"{name}.ssd"] = system.encode()
     entries["documentation/index.html"] = render(

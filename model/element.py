@@ -216,7 +216,8 @@ class Element:
 
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Lower and upper bound of each parameter, in its unit; infinite where there is none."""
-        bounds = {name: (0.0 if name == INERTIA else -math.inf, math.inf) for name in self.members}
+        own = {p.name: (p.lower, p.upper) for law in MEMBERS for p in law.parameters} | {INERTIA: (0.0, math.inf)}
+        bounds = {name: own[name] for name in self.members}
         bounds |= {d.name: (-math.inf, math.inf) for d in self.dependences if d.name}
         return bounds | {f"{t.effect}.{p.name}": (p.lower, p.upper) for t in self.terms for p in t.law.parameters}
 

@@ -5,7 +5,7 @@ from ..law import Law, LawParameter
 LAW = Law(
     name="dry-friction",
     path="dissipation",
-    parameters=(LawParameter("dry", "X/s2", "dry friction force per unit mass"),),
+    parameters=(LawParameter("dry", "X/s2", "dry friction force per unit mass", lower=0.0),),
     force=lambda motion, p: p["dry"] * motion.sign(motion.v),
     equation="{dry} sgn(x')",
     sentence="Friction of constant size against the motion; at rest it holds up to that size.",

@@ -14,7 +14,7 @@ from dashpot.errors import BadInput, ToolchainMissing
 from dashpot.export import export
 from dashpot.export.description import describe_fmu, identifier_of
 from dashpot.export.facts import Facts
-from dashpot.export.fmu import choose_backend, export_fmu, fmu_sources
+from dashpot.export.fmu import _in_a_message, choose_backend, export_fmu, fmu_sources
 from dashpot.export.platforms import PLATFORMS, own_platform, parse_platforms
 from dashpot.model import Parameter, Range
 from dashpot.simulate.compiler import find_compiler
@@ -83,7 +83,25 @@ def test_description_as_an_importer_reads_it(fmus, models, backend):
     assert md.coSimulation.canHandleVariableCommunicationStepSize
     assert not md.coSimulation.canBeInstantiatedOnlyOncePerProcess
     assert md.coSimulation.needsExecutionTool is (backend == "python")
-    assert float(md.defaultExperiment.stepSize) == 1e-3
+    given = md.defaultExperiment
+    assert (given.startTime, given.stopTime, given.stepSize) == ("0.0", "1.6", "0.0008")
+    assert float(given.tolerance) == 1e-8
+
+
+def test_friction_has_a_least_value_unless_the_model_breaks_it(models):
+    def least(value: float) -> float | None:
+        model = models["base"]().with_parameters({"dry": Parameter(value, 1e-3, "m/s2")})
+        return next(v.min for v in describe_fmu(Facts(model)).variables if v.name == "dry")
+
+    assert least(0.015) == least(0.0) == 0.0
+    assert least(-0.015) is None
+
+
+def test_names_of_variables_stand_in_the_c_table_as_a_log_can_have_them(models):
+    header = fmu_sources(Facts(models["drag"]()))[0]["variables.h"]
+    assert '"quadratic-drag.coefficient"},' in header
+    assert '"der(velocity)"},' in header
+    assert _in_a_message('a%s"\\\n') == "a_s___"
 
 
 def test_units_have_their_base_exponents(fmus):
