@@ -11,11 +11,13 @@ from ..errors import BadInput
 if TYPE_CHECKING:
     from ..model import Oscillator
     from ..model.element import Element
+    from .facts import Facts
     from .platforms import Platform
 
 __all__ = ["ELEMENT_SUFFIXES", "SUFFIXES", "check_suffix", "element_files", "export", "export_element", "files"]
-#: What a model can be made into: the last three for MuJoCo, URDF and HydroDyn.
-SUFFIXES = (".fmu", ".casadi", ".c", ".ssp", ".mjcf", ".urdf", ".hydrodyn")
+#: What a model can be made into: program text, and the last three for MuJoCo, URDF and HydroDyn.
+PROGRAMS = (".py", ".mo", ".m")
+SUFFIXES = (".fmu", ".casadi", ".c", *PROGRAMS, ".ssp", ".mjcf", ".urdf", ".hydrodyn")
 
 
 def check_suffix(path: Path, form: str | None = None) -> str:
@@ -50,7 +52,7 @@ def files(path: Path, form: str | None = None) -> tuple[Path, ...]:
 
     path = Path(path)
     suffix = check_suffix(path, form)
-    if suffix in (".mjcf", ".urdf", ".hydrodyn"):
+    if suffix in (".mjcf", ".urdf", ".hydrodyn", *PROGRAMS):
         check_ours(path, b"made by dashpot")
     if suffix == ".c":
         return _c_files(path)
@@ -132,6 +134,10 @@ def export(
         from .plain_c import export_plain_c
 
         return export_plain_c(oscillator, path)
+    if suffix in PROGRAMS:
+        from .facts import Facts
+
+        return (_program_exports()[suffix](Facts(oscillator), path),)
     if suffix != ".casadi":
         from .joint_files import export_joint
 
@@ -139,6 +145,15 @@ def export(
     from .casadi_functions import export_casadi
 
     return export_casadi(oscillator, path, dt=step)
+
+
+def _program_exports() -> dict[str, Callable[[Facts, Path], Path]]:
+    """What writes the model as program text, by suffix."""
+    from .matlab import export_matlab
+    from .modelica import export_modelica
+    from .python_source import export_python
+
+    return {".py": export_python, ".mo": export_modelica, ".m": export_matlab}
 
 
 #: What an element can be made into.

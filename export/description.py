@@ -172,7 +172,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
         version: of FMI: 3 has no call for the slope of an input, so that it is an input of its own, ``F_rate``, and
             wants time and event indicators among the variables.
         continuous: with what model exchange needs: states and derivatives.
-        payload: with what a load and the machine's own quantities need.
+        payload: of an FMU: with what a load and the machine's own quantities need, and its default experiment.
 
     Raises:
         BadInput: where a value is not a finite number or a unit cannot be read.
@@ -238,7 +238,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
         identifier_of(oscillator.name),
         plain_text(oscillator.equation()),
         tuple(variables),
-        experiment(facts.natural[0]),
+        experiment(facts.natural[0] if payload else oscillator.omega0.value),
         eq.follows,
         size.ranges,
         size.nominals,

@@ -151,10 +151,9 @@ def _sized(struct: str, numbers: dict[str, int]) -> str:
 def _words(oscillator: Oscillator, description: Description, eq: Equations) -> dict[str, Any]:
     """Everything in the header that a person reads."""
     outputs = [(v.name, v.unit, v.description) for v in description.variables if v.role == "output"]
-    unit = {v.index: v.unit for v in description.variables if v.role == "initial"}
-    about, words = _about(oscillator, description), oscillator.descriptions()
+    lines, words = about(oscillator, description), oscillator.descriptions()
     return {
-        **c_words(description, eq, about, oscillator.parameters(), words, outputs, [unit[i] for i in range(len(unit))]),
+        **c_words(description, eq, lines, oscillator.parameters(), words, outputs, units_of_states(description)),
         "thing": "oscillator",
         "driven": "force",
         "given": False,
@@ -188,10 +187,10 @@ def c_words(
         "equation": [piece for line in lines for piece in textwrap.wrap(line, _WIDTH, subsequent_indent="    ")],
         "about": [piece for text in about for piece in textwrap.wrap(comment(text), _WIDTH)],
         "parameters": [
-            (symbol, f"{_value(parameters[name])} {parameters[name].unit}: {words[name]}")
+            (symbol, f"{value_words(parameters[name])} {parameters[name].unit}: {words[name]}")
             for symbol, name in zip(symbols(list(parameters)), parameters, strict=True)
         ],
-        "states": list(zip(symbols(list(eq.state_names)), _states(state_units, eq), strict=True)),
+        "states": list(zip(symbols(list(eq.state_names)), state_words(state_units, eq), strict=True)),
         "outputs": [
             (symbol, f"{unit}: {text}")
             for symbol, (_, unit, text) in zip(symbols([name for name, _, _ in outputs]), outputs, strict=True)
@@ -199,7 +198,13 @@ def c_words(
     }
 
 
-def _states(unit: Sequence[str], eq: Equations) -> list[str]:
+def units_of_states(description: Description) -> list[str]:
+    """Unit of each state, by its start value."""
+    unit = {v.index: v.unit for v in description.variables if v.role == "initial"}
+    return [unit[i] for i in range(len(unit))]
+
+
+def state_words(unit: Sequence[str], eq: Equations) -> list[str]:
     """Unit of each state, and what its start value is where that is not the state itself."""
     comments = []
     for i, leader in enumerate(eq.follows):
@@ -218,7 +223,7 @@ def symbols(names: list[str]) -> list[str]:
     return symbols
 
 
-def _about(o: Oscillator, description: Description) -> list[str]:
+def about(o: Oscillator, description: Description) -> list[str]:
     """What a user must know of units and validity, one text a line or more."""
     force = description.variables[description.reference("F")]
     length = o.response.displacement_unit
@@ -247,7 +252,8 @@ def origin_of(identified: Provenance) -> list[str]:
     return [f"Identified from {', '.join(files)}{'' if how == 'by' else ' ' + how}."] if files else []
 
 
-def _value(parameter: Parameter) -> str:
+def value_words(parameter: Parameter) -> str:
+    """The value of a parameter with its standard error where it has one."""
     value, error = value_and_error(parameter)
     return f"{value} +/- {error}" if error else value
 

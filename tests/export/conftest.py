@@ -11,7 +11,8 @@ from dashpot.export.fmu import export_fmu
 from dashpot.export.platforms import own_platform
 from dashpot.model import Oscillator, Response, oscillator_with
 
-sys.path.append(str(Path(__file__).parent / "hosts"))  # the hosts are scripts, in no package
+for scripts in ("hosts", "reading"):  # they are in no package
+    sys.path.append(str(Path(__file__).parent / scripts))
 
 if TYPE_CHECKING:
     from calling import Caller
