@@ -14,6 +14,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "doctor": ("dashpot doctor",),
     "export": (
         "dashpot export rig.yaml rig.fmu rig.casadi",
+        "dashpot export rig.yaml rig.py rig.m rig.mo",
         "dashpot export rig.yaml rig.fmu --fmi 3 --platform linux64,win64",
     ),
     "hilbert": ("dashpot hilbert decays.csv sweep.csv.gz -o curves",),

@@ -121,8 +121,9 @@ def export(
 ) -> None:
     """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp).
 
-    Or as a joint of MuJoCo (.mjcf) or URDF (.urdf), or as damping of a platform in HydroDyn (.hydrodyn); what these
-    cannot express is said.
+    Or as text of a program: Python over any arrays (.py), a MATLAB function (.m), a Modelica model (.mo). Or as a joint
+    of MuJoCo (.mjcf) or URDF (.urdf), or as damping of a platform in HydroDyn (.hydrodyn); what these cannot express is
+    said.
     """
     from ..export import files
     from ..export.platforms import parse_platforms

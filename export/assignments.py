@@ -98,12 +98,16 @@ def walk(function: Any) -> Walk:
             nodes.append(node)
         return places[node]
 
-    def chosen(args: tuple[int, ...]) -> Node | None:
-        """``if_else``, which CasADi writes as a sum of two that are zero where the other is not."""
-        first, second = (nodes[i] for i in args)
-        if first.op == second.op == "IF_ELSE_ZERO" and nodes[second.args[0]] == Node("NOT", (first.args[0],)):
+    def node_of(op: str, args: tuple[int, ...]) -> Node:
+        """The operation; ``if_else`` for what CasADi writes as a sum of two that are zero where the other is not."""
+        first, second = (nodes[i] for i in (args[0], args[-1]))
+        if (
+            op == "ADD"
+            and first.op == second.op == "IF_ELSE_ZERO"
+            and nodes[second.args[0]] == Node("NOT", (first.args[0],))
+        ):
             return Node("IF_ELSE", (first.args[0], first.args[1], second.args[1]))
-        return None
+        return Node(op, args)
 
     for k in range(function.n_instructions()):
         op = names[function.instruction_id(k)]
@@ -115,8 +119,7 @@ def walk(function: Any) -> Walk:
         elif op == "CONST":
             register[target[0]] = kept(Node(op, (), function.instruction_constant(k)))
         else:
-            args = tuple(register[i] for i in given)
-            register[target[0]] = kept(chosen(args) if op == "ADD" and chosen(args) else Node(op, args))
+            register[target[0]] = kept(node_of(op, tuple(register[i] for i in given)))
     return Walk(tuple(nodes), tuple(map(tuple, outputs)))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 import zlib
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -52,7 +53,7 @@ def png(lines: tuple[Line, ...] = LINES, pixels: int = _PIXELS) -> bytes:
     x, y = np.meshgrid(centre, -centre)
     far = np.full((pixels, pixels), np.inf)
     for line in lines:
-        for (x0, y0), (x1, y1) in zip(line, line[1:], strict=False):
+        for (x0, y0), (x1, y1) in pairwise(line):
             dx, dy = x1 - x0, y1 - y0
             along = np.clip(((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy), 0.0, 1.0)
             far = np.minimum(far, np.hypot(x - x0 - along * dx, y - y0 - along * dy))

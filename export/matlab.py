@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..files.writing import write
-from ..templates import template
 from .assignments import assignments
 from .facts import Facts
 from .languages import MATLAB
-from .program import Program, functions, named_after_file, program
+from .program import Program, filled, functions, named_after_file, program
 
 
 def export_matlab(facts: Facts, path: Path) -> Path:
@@ -24,11 +23,8 @@ def export_matlab(facts: Facts, path: Path) -> Path:
 
 def matlab_function(of: Program, name: str) -> str:
     """Text of the file, whose function is called ``name``."""
-    from jinja2 import Environment, StrictUndefined
-
     bodies = {}
     for part, function in functions(of).items():
         lines, ((*texts,), *_) = assignments(function, of.inputs, MATLAB)
         bodies[part] = lines, texts
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    return environment.from_string(template("rig.m.j2")).render(of=of, name=name, bodies=bodies, timed=of.timed, repr=repr)
+    return filled("rig.m.j2", of=of, name=name, bodies=bodies, timed=of.timed, repr=repr)

@@ -17,11 +17,10 @@ from ..files.writing import write
 from ..model.equations import SurfaceKind
 from ..model.law import Expression
 from ..simulate.casadi_step import REST
-from ..templates import template
 from .assignments import assignments
 from .facts import Facts
 from .languages import MODELICA
-from .program import Program, named_after_file, program
+from .program import Program, filled, named_after_file, program
 
 
 @dataclass(frozen=True)
@@ -50,8 +49,6 @@ def modelica_model(of: Program, name: str) -> str:
 
     Raises BadInput where friction acts on more than the velocity of the mass, which the equations do not have.
     """
-    from jinja2 import Environment, StrictUndefined
-
     import casadi as ca
 
     eq = of.eq
@@ -73,8 +70,8 @@ def modelica_model(of: Program, name: str) -> str:
         Sign(name, surface.text.replace('"', "'"), text, i in moving, i in seats)
         for i, (name, surface, text) in enumerate(zip(names, of.surfaces, surfaces, strict=True))
     ]
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    return environment.from_string(template("rig.mo.j2")).render(
+    return filled(
+        "rig.mo.j2",
         of=of,
         name=name,
         lines=lines,

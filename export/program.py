@@ -12,6 +12,7 @@ from .. import __version__
 from ..errors import BadInput
 from ..model.equations import Equations, signed
 from ..simulate.casadi_step import exact_field, exact_output
+from ..templates import template
 from .casadi_functions import depends_on_time
 from .description import Description, describe_fmu
 from .facts import Facts
@@ -20,13 +21,92 @@ from .smoothing import Surface, surfaces
 
 #: Names that no parameter or state may have, in none of the languages: their own words, and those of the templates.
 _RESERVED = frozenset(
-    """
-    and as break case catch class continue def del der each else elseif elsewhen end equation except false final flow
-    for from function global if import in initial input is lambda loop model nonlocal not or otherwise output parameter
-    parfor pass persistent pre public raise record replaceable return then time true try type when while with within
-    yield
-    F p q t u x y xp zero mode side hold step push seated abs acceleration choose error exp inf max min pi sign sin
-    """.split()
+    [
+        "and",
+        "as",
+        "break",
+        "case",
+        "catch",
+        "class",
+        "continue",
+        "def",
+        "del",
+        "der",
+        "each",
+        "else",
+        "elseif",
+        "elsewhen",
+        "end",
+        "equation",
+        "except",
+        "false",
+        "final",
+        "flow",
+        "for",
+        "from",
+        "function",
+        "global",
+        "if",
+        "import",
+        "in",
+        "initial",
+        "input",
+        "is",
+        "lambda",
+        "loop",
+        "model",
+        "nonlocal",
+        "not",
+        "or",
+        "otherwise",
+        "output",
+        "parameter",
+        "parfor",
+        "pass",
+        "persistent",
+        "pre",
+        "public",
+        "raise",
+        "record",
+        "replaceable",
+        "return",
+        "then",
+        "time",
+        "true",
+        "try",
+        "type",
+        "when",
+        "while",
+        "with",
+        "within",
+        "yield",
+        "F",
+        "p",
+        "q",
+        "t",
+        "u",
+        "x",
+        "y",
+        "xp",
+        "zero",
+        "mode",
+        "side",
+        "hold",
+        "step",
+        "push",
+        "seated",
+        "abs",
+        "acceleration",
+        "choose",
+        "error",
+        "exp",
+        "inf",
+        "max",
+        "min",
+        "pi",
+        "sign",
+        "sin",
+    ]
 )
 _WIDTH = 100
 
@@ -164,6 +244,16 @@ def functions(of: Program) -> dict[str, Any]:
         "output": exact_output(eq, z, u, p, t),
     }
     return {name: ca.Function(name, [z, u, p, t], [ca.densify(value)]) for name, value in made.items()}
+
+
+def filled(file: str, /, **values: Any) -> str:
+    """The template of that name with values as they are, for a text that is neither XML nor HTML."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(
+        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
+    )
+    return environment.from_string(template(file)).render(**values)
 
 
 def named_after_file(path: Path, language: str) -> str:

@@ -11,11 +11,10 @@ import re
 from pathlib import Path
 
 from ..files.writing import write
-from ..templates import template
 from .assignments import assignments
 from .facts import Facts
 from .languages import PYTHON
-from .program import Program, functions, program
+from .program import Program, filled, functions, program
 
 
 def export_python(facts: Facts, path: Path) -> Path:
@@ -26,14 +25,18 @@ def export_python(facts: Facts, path: Path) -> Path:
 
 def python_source(of: Program, module: str) -> str:
     """Text of the file, which is imported as ``module``."""
-    from jinja2 import Environment, StrictUndefined
-
     bodies, used = {}, {}
     for name, function in functions(of).items():
         lines, ((*texts,), *_) = assignments(function, of.inputs, PYTHON, numbers=2)
         bodies[name] = lines, texts
         used[name] = set(re.findall(r"[A-Za-z_]\w*", " ".join([*lines, *texts])))
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
-    return environment.from_string(template("rig.py.j2")).render(
-        of=of, module=module if module.isidentifier() else "rig", bodies=bodies, timed=of.timed, repr=repr, quoted=json.dumps, used=used
+    return filled(
+        "rig.py.j2",
+        of=of,
+        module=module if module.isidentifier() else "rig",
+        bodies=bodies,
+        timed=of.timed,
+        repr=repr,
+        quoted=json.dumps,
+        used=used,
     )

@@ -211,7 +211,7 @@ def linearise(model: Model | Oscillator | str | Path, **about: float | None) -> 
 
 
 def export(model: Model | Oscillator | str | Path, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
-    """Write a model as .fmu, .casadi, .c or .ssp, by the suffix; returns all files written. See ``Model.export``.
+    """Write a model as .fmu, .casadi, .c, .py, .m, .mo or .ssp, by the suffix; returns all files. See ``Model.export``.
 
     >>> import dashpot, pathlib, tempfile
     >>> from dashpot.examples.truth import TRUTH

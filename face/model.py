@@ -230,12 +230,13 @@ class Model:
         Raises:
             BadInput: the place cannot be written, or a report is asked for of a model that was not identified here.
         """
+        from ..export import SUFFIXES
         from ..files.writing import write
         from ..model.file import save
 
         path = path_of(path, "a file for the model")
         if path.suffix != ".html":
-            if path.suffix in (".fmu", ".casadi", ".c", ".ssp"):
+            if path.suffix in SUFFIXES:
                 raise BadInput(f"{path}: save writes a model file or a report; use export for this")
             save(self.oscillator, path)
         elif self.identification is None:
@@ -247,7 +248,7 @@ class Model:
         return path
 
     def export(self, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
-        """Write .fmu, .casadi, .c or .ssp files; ``options`` are those of ``dashpot.export.export``.
+        """Write .fmu, .casadi, .c, .py, .m, .mo or .ssp files; ``options`` are those of ``dashpot.export.export``.
 
         >>> import dashpot, pathlib, tempfile
         >>> from dashpot.examples.truth import TRUTH

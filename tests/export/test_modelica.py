@@ -84,7 +84,7 @@ def modelica(model: Oscillator, begin: list[float], force: Callable[[float], flo
 @pytest.mark.parametrize("effect", [None, "stribeck", "hysteresis", "two-sided-stop", "actuator-saturation"])
 @pytest.mark.parametrize("kind", ["free", "driven"])
 def test_it_runs_as_the_engine_does(with_law, effect, kind):
-    """Half a second with every change of a sign and every stop located; 0.15 m/s2 of friction hold the mass at times."""
+    """0.4 s with every change of a sign and every stop located; friction of 0.15 m/s2 holds the mass at times."""
     model = with_law(*([effect] if effect else []), dry=0.15)
     inner = [0.0] * (len(of_model(model)[0].states) - 2)
     level = 1.0 if kind == "driven" else 0.0

@@ -71,7 +71,9 @@ def test_every_law_has_the_numbers_of_the_c(with_law, tmp_path, effect):
 
 
 @pytest.mark.parametrize("package", ["array_api_strict", "jax.numpy", "torch"])
-@pytest.mark.parametrize("effect", ["quadratic-drag", "one-sided-stop", "hysteresis", "actuator-saturation", "stribeck"])
+@pytest.mark.parametrize(
+    "effect", ["quadratic-drag", "one-sided-stop", "hysteresis", "actuator-saturation", "stribeck"]
+)
 def test_arrays_of_other_packages(with_law, tmp_path, package, effect):
     if find_spec(package.partition(".")[0]) is None:
         pytest.skip(f"{package} is not installed")
@@ -95,7 +97,9 @@ def test_arrays_of_other_packages(with_law, tmp_path, package, effect):
     if package == "jax.numpy":
         rig = loaded(model)
         assert found["compiled"] == pytest.approx(rig.xdot(at, 0.5), rel=1e-12)
-        assert found["derivatives"]["dry"] == pytest.approx((rig.xdot(at, 0.5)[1] - rig.xdot(at, 0.5, {"dry": 0.0})[1]) / model.dry.value)
+        assert found["derivatives"]["dry"] == pytest.approx(
+            (rig.xdot(at, 0.5)[1] - rig.xdot(at, 0.5, {"dry": 0.0})[1]) / model.dry.value
+        )
         step = 1e-7
         ahead, behind = (rig.xdot_smooth([at[0] + way, *at[1:]], 0.5) for way in (step, -step))
         slope = (np.array(ahead) - np.array(behind)) / 2 / step

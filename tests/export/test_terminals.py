@@ -1,4 +1,4 @@
-"""Icon and terminal of an FMU: valid by the standard's schema, of variables that are there, one picture in two forms."""
+"""Icon and terminal of an FMU: valid by the standard's schema, of variables that are there, one picture twice."""
 
 from __future__ import annotations
 

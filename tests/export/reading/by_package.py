@@ -1,4 +1,4 @@
-"""Evaluates an exported rig.py with arrays of one package; a process of its own, for JAX minds forks of its own threads.
+"""Evaluates an exported rig.py with arrays of one package; in a process of its own, for JAX has threads.
 
     python by_package.py PACKAGE FOLDER < points.json
 

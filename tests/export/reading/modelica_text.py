@@ -18,8 +18,31 @@ TOKEN = re.compile(
     r"|(?P<text>\"([^\"\\]|\\.)*\")|(?P<mark><>|<=|>=|==|[-+*/^=<>(){},;])"
 )
 WORDS = frozenset(
-    "model end parameter input output protected initial equation when then if elseif else and or not annotation true "
-    "false der pre change reinit".split()
+    [
+        "model",
+        "end",
+        "parameter",
+        "input",
+        "output",
+        "protected",
+        "initial",
+        "equation",
+        "when",
+        "then",
+        "if",
+        "elseif",
+        "else",
+        "and",
+        "or",
+        "not",
+        "annotation",
+        "true",
+        "false",
+        "der",
+        "pre",
+        "change",
+        "reinit",
+    ]
 )
 FUNCTIONS: dict[str, Callable[..., float]] = {
     "abs": abs, "sign": lambda a: float((a > 0) - (a < 0)), "min": min, "max": max, "sqrt": math.sqrt,
@@ -263,7 +286,9 @@ def joined(mark: str, left: Expression, right: Expression) -> Expression:
 class Run:
     """A model under way: its states, its discrete variables, and what its relations are."""
 
-    def __init__(self, model: Model, force: Callable[[float], float], start: dict[str, float], **changed: float) -> None:
+    def __init__(
+        self, model: Model, force: Callable[[float], float], start: dict[str, float], **changed: float
+    ) -> None:
         self.model, self.force, self.time = model, force, 0.0
         self.frozen: dict[int, bool] | None = None
         self.seen: dict[int, bool] = {}
