@@ -73,8 +73,8 @@ def identify(
     *given: Any,
     name: str | None = None,
     laws: Sequence[str] | str = (),
-    fixed: Mapping[str, float] | None = None,
-    mass: float | None = None,
+    fixed: Mapping[str, float | str] | None = None,
+    mass: float | str | None = None,
     start: Model | Oscillator | ForceElement | str | Path | None = None,
     mode: str | float | None = None,
     faults: bool = False,
@@ -88,8 +88,9 @@ def identify(
         given: recordings of one rig, as ``dashpot.read`` takes them.
         name: of the rig; left out, that of the first recording.
         laws: names of laws of the library to fit beside Eq. 17, docs/laws.md.
-        fixed: parameters that keep a value, by name, in SI.
-        mass: kg, where only decays were recorded or it is known.
+        fixed: parameters that keep a value, by name: a number in SI or a text with a unit, {"dry": "0.15 m/s2"}; where
+            the mass is known also what the machine has, {"friction": "0.15 N", "stiffness": "1.7 kN/m"}.
+        mass: kg, or such as "270 g", where only decays were recorded or it is known.
         start: model to start from, with its laws; or a damper or spring measured by itself (``load_element``), whose
             further laws then keep their values, divided by the mass (but for those that ``laws`` names).
         mode: which of several modes, by its number or its frequency in Hz.

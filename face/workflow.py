@@ -77,8 +77,8 @@ def identified(
     *,
     name: str | None = None,
     laws: Sequence[str] = (),
-    fixed: Mapping[str, float] | None = None,
-    mass: float | None = None,
+    fixed: Mapping[str, float | str] | None = None,
+    mass: float | str | None = None,
     start: Oscillator | Element | Path | None = None,
     mode: str | None = None,
     faults: bool = False,
@@ -95,19 +95,25 @@ def identified(
     from ..identify.identification import identify
     from ..identify.motion.modes import mode_beside
     from ..identify.of_base import of_base
+    from ..model import Response
     from ..model.element import Element
     from ..model.element_file import is_element, load_element
     from ..model.file import check_name, load, text_at
+    from ..model.known_values import known_values
     from ..model.library import find
     from ..model.limits import checked_value
+    from ..model.quantity import said
     from ..prescribed.looks_imposed import looks_imposed
 
-    fixed = fixed or {}
-    known = {**fixed, **({} if mass is None else {"mass": mass})}
-    for key, value in (*fixed.items(), *known.items()):
-        checked_value(text_of(key, "the name of a parameter"), value)
-    if mass is not None and fixed.get("mass", mass) != mass:
-        raise BadInput(f"the mass is fixed at {fixed['mass']:g} and given as {mass:g} kg; give it one value")
+    stated = {**(fixed or {}), **({} if mass is None else {"mass": mass})}
+    for key, value in (*(fixed or {}).items(), *stated.items()):
+        text_of(key, "the name of a parameter")
+        if isinstance(value, str):
+            said(value, f"the fixed {key}")
+        else:
+            checked_value(key, value)
+    if mass is not None and (fixed or {}).get("mass", mass) != mass:
+        raise BadInput(f"the mass is fixed at {(fixed or {})['mass']} and given as {mass} kg; give it one value")
     if name is not None:
         check_name(name)
     effects = [find(law).name for law in laws]
@@ -122,12 +128,18 @@ def identified(
     if element is not None and element.dependences:
         from ..identify.from_element import at_channels
 
-        element, said = at_channels(element, recordings)
-        for note in said:
+        element, at = at_channels(element, recordings)
+        for note in at:
             notes(f"note: {note}")
         recordings = [replace(recording, channels=()) for recording in recordings]
     refuse_channels(recordings)
     _each_once(recordings)  # the modes of thirty copies take a quarter of a minute
+    known = known_values(
+        stated,
+        [*map(find, effects), *(term.law for term in (begin.terms if begin is not None else ()))],
+        Response(recordings[0].quantity, recordings[0].unit) if recordings else Response(),
+        next((r.force_unit for r in recordings if r.force is not None), "N"),
+    )
     alone, band, wanted = mode_beside(recordings, mode, begin, notes)
 
     def answer(
@@ -153,16 +165,16 @@ def identified(
     if element is not None:
         from ..identify.from_element import identify_from
 
-        moved = any(recording.rides for recording in alone)
+        moved, of_element = any(recording.rides for recording in alone), known.get("mass")
         if moved:
             known.pop("mass", None)  # it divides the element's forces; what drives the rig is per unit mass
-        found = identify_from(element, alone, partial(answer, alone), mass=mass, freed=own.intersection(effects))
+        found = identify_from(element, alone, partial(answer, alone), mass=of_element, freed=own.intersection(effects))
         return replace(found, oscillator=replace(found.oscillator, mass=None)) if moved else found
     found = answer(alone)
     if any(recording.rides for recording in recordings):
         return of_base(found, answer)
-    said = None if any(recording.base for recording in recordings) else looks_imposed(found)
-    return found if said is None else replace(found, notes=(said, *found.notes))
+    note = None if any(recording.base for recording in recordings) else looks_imposed(found)
+    return found if note is None else replace(found, notes=(note, *found.notes))
 
 
 def _each_once(recordings: Sequence[Recording]) -> None:

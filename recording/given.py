@@ -16,7 +16,8 @@ from ..files.arguments import known_options, number_of, path_of, shown, text_of
 from .channel import Channel, Stated, check_count, of_value, refuse_gaps, stated_channels
 from .checks import not_a_number, out_of_range
 from .content import MOST_MB
-from .objects import is_sep5, tables_of_object
+from .frequency import frequency_of
+from .objects import is_sep5, is_series, series_of, tables_of_object
 from .part import part_of
 from .plain_numbers import vector_of
 from .read import recording_of, tables_at
@@ -30,9 +31,9 @@ class Reading(TypedDict, total=False):
     """How recordings are to be read, as the options of the commands; all may be left out.
 
     ``time``, ``force``, ``response``: columns by name, pattern or number from 1, "none" for no force; several responses
-    as a list; the force that belongs to one array as an array (n,). ``quantity``: displacement, velocity or
+    as a list; force and times in s that belong to one array as arrays (n,). ``quantity``: displacement, velocity or
     acceleration. ``unit``, ``force_unit``: such as "mm", "kN". ``calibration``: such as {"force": "22.4 N/V"}. ``fs``:
-    sampling frequency, Hz. ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero, linear or smooth.
+    sampling frequency, Hz, or such as "1 kHz". ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero, linear or smooth.
     ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the response is
     relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a motion that
     was imposed, the force being what it took. ``channels``: by name what the rig may depend on, such as
@@ -40,14 +41,14 @@ class Reading(TypedDict, total=False):
     these in the order of the recordings. ``max_size``: largest file, MB unpacked.
     """
 
-    time: str | int | None
+    time: Any
     force: Any
     response: str | int | Sequence[str | int] | None
     quantity: str | None
     unit: str | None
     force_unit: str | None
     calibration: Mapping[str, str | float] | None
-    fs: float | None
+    fs: float | str | None
     part: str | tuple[float, float] | None
     hold: str | None
     base: str | int | None
@@ -64,7 +65,8 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     Args:
         given: each a Recording (as it is, where all of it is numbers), a path (all records of the file), a DataFrame,
             an xarray Dataset or DataArray, SEP 5 dictionaries, arrays by name such as
-            {"time_s": t, "force_N": f, "displacement_m": x}, one array (n,) with ``fs``, or any of these in a list.
+            {"time_s": t, "force_N": f, "displacement_m": x}, one array (n,) with ``fs`` or ``time``, a Series, or any of
+            these in a list.
         options: see ``Reading``.
 
     Raises:
@@ -112,9 +114,10 @@ def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
     for name in ("quantity", "unit", "force_unit", "hold"):
         if name in how:
             text_of(how[name], name)
-    for name in ("fs", "max_size"):
-        if name in how:
-            how[name] = number_of(how[name], name)
+    if "fs" in how:
+        how["fs"] = frequency_of(how["fs"])
+    if "max_size" in how:
+        how["max_size"] = number_of(how["max_size"], "max_size")
     if "calibration" in how:
         if not isinstance(how["calibration"], Mapping):
             raise BadInput(f'calibration is such as {{"force": "22.4 N/V"}}, not {shown(how["calibration"])}')
@@ -179,7 +182,7 @@ def _is_one(given: Any) -> bool:
         given, Iterable
     ):
         return True
-    if hasattr(given, "columns") or hasattr(given, "dims"):  # of pandas, of xarray
+    if hasattr(given, "columns") or hasattr(given, "dims") or is_series(given):  # of pandas, polars, xarray
         return True
     return isinstance(given, Sequence) and len(given) > 0 and all(is_sep5(series) for series in given)
 
@@ -187,28 +190,56 @@ def _is_one(given: Any) -> bool:
 def _read(one: Any, number: int, how: dict[str, Any]) -> list[Callable[[], Recording]]:
     """What makes each recording of it, once the file or object is open."""
     if isinstance(one, str | os.PathLike):
-        if isinstance(how.get("force"), np.ndarray):
-            raise BadInput(f"{one}: is a file, so --force names its column; an array of forces belongs to an array")
+        _by_name(f"{one}: is a file", "its column", how)
         sha256, tables = tables_at(path_of(one), how.get("max_size", MOST_MB))
         how = {key: value for key, value in how.items() if key != "max_size"}
         return [partial(recording_of, table, sha256=sha256, **how) for table in tables]
     name, how = f"recording {number}", {key: value for key, value in how.items() if key != "max_size"}
     if isinstance(one, np.ndarray):
-        one, how = _named(one, name, how)
+        one, how = _named({"response": one}, name, how)
+    elif is_series(one):
+        label, values, stamps = series_of(one)
+        how = {"time": stamps} | how if stamps is not None and how.get("fs") is None else how
+        one, how = _named({label: values}, name, how)
+    else:
+        _by_name(f"{name}: has columns of its own", "one of them", how)
     return [partial(recording_of, table, **how) for table in tables_of_object(one, name)]
 
 
-def _named(signal: np.ndarray, name: str, how: dict[str, Any]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """One array as arrays by name, with the options that are left."""
+def _is_array(given: Any) -> bool:
+    """Whether an option that may name a column holds its samples."""
+    return given is not None and not isinstance(given, str | int | np.integer)
+
+
+def _by_name(where: str, which: str, how: Mapping[str, Any]) -> None:
+    """Raise BadInput where a force or times stand beside what has names for its columns."""
+    for key, words in (("force", "forces"), ("time", "times")):
+        if _is_array(how.get(key)):
+            raise BadInput(f"{where}, so --{key} names {which}; an array of {words} belongs to an array")
+
+
+def _named(
+    arrays: dict[str, np.ndarray], name: str, how: dict[str, Any]
+) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """One array by its name as arrays by name, with the options that are left."""
+    ((label, signal),) = arrays.items()
     if signal.ndim != 1:
         raise BadInput(
             f"{name}: an array of shape {signal.shape} does not say what its columns are; give arrays by name, such as "
             '{"time_s": t, "force_N": f, "displacement_m": x}'
         )
-    if how.get("fs") is None:
-        raise BadInput(f"{name}: an array says nothing of time; give its sampling frequency with fs, in Hz")
-    arrays, force = {"response": signal}, how.get("force")
-    if force is not None and not isinstance(force, str | int):
-        arrays["force"] = vector_of(force, f"{name}: the force")
-        how = how | {"force": "force"}
-    return arrays, how | {"response": "response"}
+    if how.get("fs") is None and not _is_array(how.get("time")):
+        raise BadInput(
+            f"{name}: an array says nothing of time; give its sampling frequency with fs, in Hz, or its times with time, in s"
+        )
+    for key, words in (("force", "the force"), ("time", "the times")):
+        if _is_array(how.get(key)):
+            samples = vector_of(how[key], f"{name}: {words}")
+            if samples.shape != signal.shape:
+                raise BadInput(
+                    f"{name}: {words} have shape {samples.shape} and the response {signal.shape}; give one for each sample"
+                    if key == "time"
+                    else f"{name}: {words} has shape {samples.shape} and the response {signal.shape}; give one for each sample"
+                )
+            arrays, how = arrays | {key: samples}, how | {key: key}
+    return arrays, how | {"response": label}

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import BadInput
 from .channels import Channel, passed_over, table_of, tables_of_tree, text_of_name
-from .plain_numbers import Numbers, numbers_of
+from .plain_numbers import Numbers, numbers_of, vector_of
 from .table import Table
 
 
@@ -64,6 +64,25 @@ def _of_frame(data: Any, name: str) -> Table:
     if index.values is not None and (index.unit or index.values.dtype.kind == "f" or data.index.name):
         found = {"time" if index.unit else str(data.index.name or "time"): _since_first(index), **found}
     return _of_numbers(name, found)
+
+
+def series_of(data: Any) -> tuple[str, np.ndarray, np.ndarray | None]:
+    """A series of pandas or polars: its name (``response`` where it has none), values (n,) and, by the index, times.
+
+    The index is the time in s where it is one of times, durations or floats, or has a name; else there is None.
+    """
+    name, index = str(data.name or "response"), getattr(data, "index", None)
+    values = vector_of(data, name)
+    stamps = None if index is None or callable(index) else numbers_of(index)
+    if stamps is None or stamps.values is None:
+        return name, values, None
+    told = stamps.unit or stamps.values.dtype.kind == "f" or getattr(index, "name", None)
+    return name, values, np.asarray(_since_first(stamps).values, float) if told else None
+
+
+def is_series(data: Any) -> bool:
+    """Whether it is one column of pandas or polars."""
+    return hasattr(data, "to_numpy") and hasattr(data, "name") and not hasattr(data, "columns") and not hasattr(data, "dims")
 
 
 def _since_first(index: Numbers) -> Numbers:
