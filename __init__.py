@@ -112,8 +112,19 @@ class _Command(ModuleType):
     """A folder of the package that hands a call to the function of its name in ``dashpot.face.commands``."""
 
     def __call__(self, *given: Any, **options: Any) -> Any:
-        """Do what ``dashpot`` offers under the folder's name; see ``help(dashpot.face.commands)``."""
+        """Do what ``dashpot`` offers under the folder's name."""
         return self._function()(*given, **options)
+
+    @property
+    def __doc__(self) -> str:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What ``help`` shows: the call and its arguments, before what is in the folder."""
+        from .face.call_text import call_text
+
+        return call_text(self._function())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """By its name, so that other processes can be handed the call."""
+        return _named, (self.__name__.rpartition(".")[2],)
 
     @property
     def __signature__(self) -> Signature:
@@ -126,6 +137,11 @@ class _Command(ModuleType):
         from .face import commands
 
         return getattr(commands, self.__name__.rpartition(".")[2])
+
+
+def _named(name: str) -> Any:
+    """What the package has under that name."""
+    return getattr(sys.modules[__name__], name)
 
 
 class _Package(ModuleType):

@@ -199,7 +199,9 @@ def simulate(model: Model | Oscillator | str | Path, *recording: Any, **options:
     return Model(oscillator_of(model)).simulate(*recording, **options)
 
 
-def linearise(model: Model | Oscillator | str | Path, **about: float | None) -> LinearModel:
+def linearise(
+    model: Model | Oscillator | str | Path, amplitude: float | None = None, **about: float | None
+) -> LinearModel:
     """A, B, C, D of the linear model about a motion or a point; see ``Model.linearise``.
 
     >>> import dashpot
@@ -208,7 +210,7 @@ def linearise(model: Model | Oscillator | str | Path, **about: float | None) -> 
     >>> linear.discrete(1e-3)[0].shape
     (2, 2)
     """
-    return Model(oscillator_of(model)).linearise(**about)
+    return Model(oscillator_of(model)).linearise(amplitude, **about)
 
 
 def export(model: Model | Oscillator | str | Path, *paths: str | Path, **options: Any) -> tuple[Path, ...]:

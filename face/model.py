@@ -12,12 +12,13 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ..errors import BadInput
-from ..files.arguments import path_of, several_of, shown, text_of
+from ..files.arguments import known_options, path_of, several_of, shown, text_of
 from ..model import Oscillator, Parameter, Response, oscillator_with
 from ..model.limits import checked_value
 from ..model.oscillator import QUANTITIES
 from ..recording import Reading, recordings_of
 from .options import mode_text, with_reading
+from .python_words import in_python, speaks_python
 from .workflow import Say, diagnosed, exported, seconds_allowed, write_diagnosis
 
 if TYPE_CHECKING:
@@ -124,7 +125,7 @@ class Model:
         from ..model.show import warnings
 
         found = () if self.identification is None else (*self.identification.notes, *self.identification.faults)
-        return tuple(dict.fromkeys((*found, *warnings(self.oscillator))))
+        return tuple(dict.fromkeys(map(in_python, (*found, *warnings(self.oscillator)))))
 
     def __getitem__(self, name: str) -> Parameter:
         known = self.parameters
@@ -173,8 +174,9 @@ class Model:
         """The response to a recorded force, from the beginning that comes closest; or to a force of one's own.
 
         Args:
-            recording: a recording as ``dashpot.read`` takes it; left out, ``force`` is an array (n,) in the model's
-                unit of force and ``fs`` its sampling frequency, or there is no force at all for ``seconds``.
+            recording: a recording as ``dashpot.read`` takes it; left out, ``force`` is an array (n,) or a Series in the
+                model's unit of force, ``fs`` its sampling frequency or ``time`` its instants (n,) in even steps; or
+                there is no force at all for ``seconds``.
             initial: displacement and velocity at the first sample, where there is no recording.
             seconds: length of free motion.
             options: how a recording is read, see ``dashpot.recording.Reading``.
@@ -192,6 +194,7 @@ class Model:
 
         return simulated(self.oscillator, recording, initial, seconds, options)
 
+    @speaks_python
     def backbone(self, amplitude: Any = None) -> Backbone:
         """Natural frequency and damping ratio over the amplitude.
 
@@ -208,8 +211,11 @@ class Model:
 
         return backbone_of(self.oscillator, self.identification, amplitude)
 
-    def linearise(self, **about: float | None) -> LinearModel:
+    @speaks_python
+    def linearise(self, amplitude: float | None = None, **about: float | None) -> LinearModel:
         """A, B, C, D about a motion (``amplitude``, ``frequency``) or a point (``displacement``, ``force``).
+
+        ``poles``, ``discrete(step)``, ``to_scipy()`` and ``to_control()`` go on from there.
 
         >>> import dashpot
         >>> from dashpot.examples.truth import TRUTH
@@ -218,12 +224,14 @@ class Model:
         """
         from ..model.linear import linearise
 
-        return linearise(self.oscillator, **about)
+        known_options(about, ("amplitude", "frequency", "displacement", "force"))
+        return linearise(self.oscillator, amplitude=amplitude, **about)
 
     def plot(self) -> Any:
         """Backbone and damping ratio, with what was measured where the model was identified; a matplotlib Figure."""
         return self.backbone().plot()
 
+    @speaks_python
     def save(self, path: str | Path) -> Path:
         """Write the model file (YAML), or an HTML report where the name ends in .html; returns the path.
 
@@ -247,6 +255,7 @@ class Model:
             write(path, identification_page(self.identification).html)
         return path
 
+    @speaks_python
     def export(self, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
         """Write .fmu, .casadi, .c, .py, .m, .mo or .ssp files; ``options`` are those of ``dashpot.export.export``.
 

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from inspect import Parameter, signature
+from inspect import Parameter, Signature, signature
 from typing import Any, ParamSpec, TypeVar
 
 from ..files.arguments import known_options, number_of
 from ..recording import Reading
+from ..recording.content import MOST_MB
+from .python_words import speaks_python
 
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
 
 
 def with_reading(call: Callable[Given, Made]) -> Callable[Given, Made]:
-    """A call that takes ``Reading`` beside its own options, and says of any other which one is meant (TypeError)."""
+    """A call that takes ``Reading`` beside its own options, and says of any other which one is meant (TypeError).
+
+    Its signature, which ``help`` and completion show, has them one by one; its errors are in the words of Python.
+    """
     many = (Parameter.VAR_KEYWORD, Parameter.VAR_POSITIONAL)
     own = [name for name, known in signature(call).parameters.items() if known.kind not in many and name != "self"]
 
@@ -24,7 +29,24 @@ def with_reading(call: Callable[Given, Made]) -> Callable[Given, Made]:
         known_options(options, [*own, *Reading.__annotations__])
         return call(*given, **options)
 
-    return checked
+    spoken = speaks_python(checked)
+    vars(spoken)["__signature__"] = _with_each(signature(call))
+    return spoken
+
+
+def _with_each(own: Signature) -> Signature:
+    """The signature with each way to read in place of ``**options``."""
+    parameters = [p for p in own.parameters.values() if p.kind is not Parameter.VAR_KEYWORD]
+    ways = [
+        Parameter(name, Parameter.KEYWORD_ONLY, default=MOST_MB if name == "max_size" else None, annotation=_text(kind))
+        for name, kind in Reading.__annotations__.items()
+    ]
+    return own.replace(parameters=[*parameters, *ways])
+
+
+def _text(kind: Any) -> str:
+    """An annotation as it was written."""
+    return getattr(kind, "__forward_arg__", str(kind))
 
 
 def mode_text(mode: Any) -> str | None:

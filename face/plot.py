@@ -7,24 +7,16 @@ from contextlib import contextmanager
 from functools import cache
 from typing import Any
 
+from ..recording.picture import plot_class
 from ..report.style import WIDTH, styled
 
 
 @cache
 def _plot_class() -> Any:
-    from matplotlib.figure import Figure
+    class Plot(plot_class()):
+        """A matplotlib Figure that shows itself in a notebook, in the style of the reports."""
 
-    class Plot(Figure):
-        """A matplotlib Figure that shows itself in a notebook, whatever the backend."""
-
-        def _repr_svg_(self) -> str:
-            import io
-
-            out = io.StringIO()
-            with styled():
-                self.savefig(out, format="svg")
-            text = out.getvalue()
-            return text[text.index("<svg") :]
+        style = staticmethod(styled)
 
     return Plot
 

@@ -18,6 +18,8 @@ from ..model import Oscillator, Response
 from ..recording import Recording, recordings_of
 from ..recording.content import MOST_MB
 from ..recording.fact import changed
+from ..recording.frequency import frequency_of
+from ..recording.objects import is_series, series_of
 from ..recording.plain_numbers import vector_of
 from ..recording.recording import HOLDS
 
@@ -123,11 +125,14 @@ def simulated(
     if given:
         return along(oscillator, recordings_of(*given, **options))
     force, fs = options.get("force"), options.get("fs")
-    if fs is None or not 0 < number_of(fs, "fs") < np.inf:
+    force, instants = _driving(force, options.get("time"))
+    if fs is None and instants is not None:
+        fs = _rate(instants, force)
+    if fs is None or not 0 < frequency_of(fs) < np.inf:
         raise BadInput("without a recording give the sampling frequency, fs in Hz, and a force (n,) or seconds")
     if force is None and seconds is None:
         raise BadInput("without a recording give a force (n,) with fs, or how many seconds of free motion")
-    fs = number_of(fs, "fs")
+    fs = frequency_of(fs)
     samples = None if force is None else vector_of(force, "the force")
     if samples is not None and (samples.ndim != 1 or not samples.size or not np.all(np.isfinite(samples))):
         raise BadInput(f"the force has shape {samples.shape}; give one column of finite numbers")
@@ -145,6 +150,33 @@ def simulated(
         raise BadInput(f"hold {hold[:40]!r} is not known; use one of {', '.join(HOLDS)}")
     response = _driven(oscillator, samples, n, 1.0 / fs, beginning, hold)
     return Simulation(oscillator.name, np.arange(n) / fs, response, samples, oscillator.response)
+
+
+#: A step between two instants may differ from the mean one by this part of it: stamps are rounded.
+_UNEVEN = 1e-3
+
+
+def _driving(force: Any, time: Any) -> tuple[Any, np.ndarray | None]:
+    """The force, and its instants (n,) in s: those that are given, else those of a Series by its index."""
+    instants = None
+    if force is not None and is_series(force):
+        _, force, instants = series_of(force)
+    if time is not None and not isinstance(time, str | int):
+        instants = vector_of(time, "the times")
+    return force, instants
+
+
+def _rate(instants: np.ndarray, force: Any) -> float:
+    """Sampling frequency, Hz, of instants (n,); raises BadInput where their steps are uneven, or not the force's."""
+    if instants.ndim != 1 or instants.size < 2 or not np.all(np.isfinite(instants)):
+        raise BadInput(f"the times have shape {instants.shape}; give one finite time in s for each value of the force")
+    if force is not None and (given := vector_of(force, "the force")).shape != instants.shape:
+        raise BadInput(f"the force has shape {given.shape}, the times {instants.shape}; give one time for each value")
+    steps = np.diff(instants)
+    mean = float(np.mean(steps))
+    if not mean > 0.0 or np.max(np.abs(steps - mean)) > _UNEVEN * mean:
+        raise BadInput("the times of the force do not go on in even steps; interpolate it, or read it as a recording")
+    return 1.0 / mean
 
 
 def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation:

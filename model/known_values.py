@@ -1,7 +1,7 @@
 """Values that a person knows, in the person's own units, as the parameters of Eq. 17 and of laws: per unit mass.
 
-A friction in N is the mass times ``dry``, a stiffness in N/m the mass times ``omega0`` squared: it fixes a parameter where
-the mass is known beside it.
+A friction in N is the mass times ``dry``, a stiffness in N/m the mass times ``omega0`` squared: it fixes a parameter
+where the mass is known beside it.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ from . import units
 from .law import Law
 from .laws import BASE
 from .limits import checked_value
-from .physical import QUANTITIES
 from .oscillator import Response
+from .physical import QUANTITIES
 from .quantity import converted, said
 
 #: Quantities of the machine: the parameter that each follows from, and that parameter from quantity and mass.
@@ -58,11 +58,15 @@ def known_values(
 
     def take(name: str, value: float, as_given: str) -> None:
         if made.get(name, value) != value:
-            raise BadInput(f"{as_given} says that {name} is {value:g}, and it is fixed at {made[name]:g}; give it one value")
+            raise BadInput(
+                f"{as_given} says that {name} is {value:g}, and it is fixed at {made[name]:g}; give it one value"
+            )
         made[name] = value
 
     def unit_of(template: str) -> str:
-        return template if template == "Hz" else units.compose(template, response.displacement_unit, force, response.unit)
+        return (
+            template if template == "Hz" else units.compose(template, response.displacement_unit, force, response.unit)
+        )
 
     order = sorted(given, key=lambda name: name not in ("mass", "total_mass"))  # the others may need it
     for name in order:
@@ -104,5 +108,7 @@ def _times_mass(unit: str, mass: str) -> str:
 def _mass(made: Mapping[str, float], name: str, value: float | str) -> float:
     if "mass" not in made:
         template = f"{_OF_MACHINE[name][0]}, which is per unit mass" if name in _OF_MACHINE else "it per unit mass"
-        raise BadInput(f"{name} = {value} is a product with the mass, which is not given; give the mass too, or fix {template}")
+        raise BadInput(
+            f"{name} = {value} is a product with the mass, which is not given; give the mass too, or fix {template}"
+        )
     return made["mass"]

@@ -63,6 +63,27 @@ class LinearModel:
     def __repr__(self) -> str:
         return describe(self)
 
+    @property
+    def poles(self) -> np.ndarray:
+        """(n,) eigenvalues of A, 1/s, the slowest first."""
+        found = np.linalg.eigvals(self.A)
+        return found[np.lexsort((found.imag, np.abs(found)))]
+
+    def to_scipy(self) -> Any:
+        """A ``scipy.signal.StateSpace`` of A, B, C, D: of deviations from the point."""
+        from .state_space import of_scipy
+
+        return of_scipy(self)
+
+    def to_control(self) -> Any:
+        """A ``control.StateSpace`` of python-control, with the names of states, input and outputs.
+
+        Raises BadInput where the package control is not installed.
+        """
+        from .state_space import of_control
+
+        return of_control(self)
+
     def discrete(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """A (n, n) and B (n, 1) from sample to sample, dt seconds apart, the input held between; exact.
 
@@ -273,7 +294,7 @@ def describe(linear: LinearModel, step: float | None = None) -> str:
     """The linear model as text; with a sample time ``step``, s, the discrete A and B too, which may raise BadInput."""
     states = ", ".join(f"{n} {u}" for n, u in zip(linear.state_names, linear.state_units, strict=True))
     outputs = ", ".join(f"{n} {u}" for n, u in zip(linear.output_names, linear.output_units, strict=True))
-    parts = [_about(linear), f"z: {states}\nu: force {linear.input_unit}\ny: {outputs}"]
+    parts = [f"{_about(linear)}\n{_poles(linear)}", f"z: {states}\nu: force {linear.input_unit}\ny: {outputs}"]
     parts += [_matrix(name, getattr(linear, name)) for name in "ABCD"]
     if step is not None:
         a, b = linear.discrete(step)
@@ -291,9 +312,14 @@ def as_json(linear: LinearModel, step: float | None = None) -> dict[str, Any]:
         "force": linear.input,
         "output": linear.output.tolist(),
     }
+    poles = [
+        {"real": float(p.real), "imaginary": float(p.imag), "frequency_hz": abs(p) / (2 * math.pi)}
+        for p in linear.poles
+    ]
     data: dict[str, Any] = {
         "format": "dashpot-linear/1",
         "about": about,
+        "poles": poles,
         **{name: getattr(linear, name).tolist() for name in "ABCD"},
         "states": _named(linear.state_names, linear.state_units),
         "input": {"name": "F", "unit": linear.input_unit},
@@ -316,6 +342,22 @@ def _about(linear: LinearModel) -> str:
         return f"about a motion of amplitude {linear.amplitude:g} {length} at {hertz:.6g} Hz"
     at = f"{linear.state[0]:.6g} {linear.state_units[0]}, held by {linear.input:.6g} {linear.input_unit}"
     return f"about the point {at}"
+
+
+def _poles(linear: LinearModel) -> str:
+    """The poles, a line each or for each pair: natural frequency and damping ratio, or a time constant."""
+    lines = []
+    for pole in linear.poles:
+        size = abs(pole)
+        if pole.imag > 0.0:
+            lines.append(
+                f"poles {pole.real:.6g} ± {pole.imag:.6g}i 1/s: {size / (2 * math.pi):.6g} Hz, "
+                f"damping ratio {-pole.real / size:.4g}"
+            )
+        elif pole.imag == 0.0:
+            constant = f", time constant {-1.0 / pole.real:.4g} s" if pole.real < 0.0 else ""
+            lines.append(f"pole {pole.real:.6g} 1/s{constant}")
+    return "\n".join(lines)
 
 
 def _matrix(name: str, matrix: np.ndarray) -> str:

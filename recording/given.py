@@ -31,12 +31,12 @@ class Reading(TypedDict, total=False):
     """How recordings are to be read, as the options of the commands; all may be left out.
 
     ``time``, ``force``, ``response``: columns by name, pattern or number from 1, "none" for no force; several responses
-    as a list; force and times in s that belong to one array as arrays (n,). ``quantity``: displacement, velocity or
+    as a list; force, and times in s, that belong to one array as arrays (n,). ``quantity``: displacement, velocity or
     acceleration. ``unit``, ``force_unit``: such as "mm", "kN". ``calibration``: such as {"force": "22.4 N/V"}. ``fs``:
-    sampling frequency, Hz, or such as "1 kHz". ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero, linear or smooth.
-    ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the response is
-    relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a motion that
-    was imposed, the force being what it took. ``channels``: by name what the rig may depend on, such as
+    sampling frequency in Hz, or such as "1 kHz". ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero,
+    linear or smooth. ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the
+    response is relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a
+    motion that was imposed, the force being what it took. ``channels``: by name what the rig may depend on, such as
     {"current": "0.5 A"}, {"temperature": "T_oil_degC"} (a column), an array (n,) under "pressure_bar", or a list of
     these in the order of the recordings. ``max_size``: largest file, MB unpacked.
     """
@@ -65,8 +65,8 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     Args:
         given: each a Recording (as it is, where all of it is numbers), a path (all records of the file), a DataFrame,
             an xarray Dataset or DataArray, SEP 5 dictionaries, arrays by name such as
-            {"time_s": t, "force_N": f, "displacement_m": x}, one array (n,) with ``fs`` or ``time``, a Series, or any of
-            these in a list.
+            {"time_s": t, "force_N": f, "displacement_m": x}, one array (n,) with ``fs`` or ``time``, a Series, or any
+            of these in a list.
         options: see ``Reading``.
 
     Raises:
@@ -230,16 +230,15 @@ def _named(
         )
     if how.get("fs") is None and not _is_array(how.get("time")):
         raise BadInput(
-            f"{name}: an array says nothing of time; give its sampling frequency with fs, in Hz, or its times with time, in s"
+            f"{name}: an array says nothing of time; give its sampling frequency with fs, in Hz, or its times with "
+            "time, in s"
         )
     for key, words in (("force", "the force"), ("time", "the times")):
         if _is_array(how.get(key)):
             samples = vector_of(how[key], f"{name}: {words}")
             if samples.shape != signal.shape:
                 raise BadInput(
-                    f"{name}: {words} have shape {samples.shape} and the response {signal.shape}; give one for each sample"
-                    if key == "time"
-                    else f"{name}: {words} has shape {samples.shape} and the response {signal.shape}; give one for each sample"
+                    f"{name}: the response has shape {signal.shape}, {words} {samples.shape}; give one for each sample"
                 )
             arrays, how = arrays | {key: samples}, how | {key: key}
     return arrays, how | {"response": label}

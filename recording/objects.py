@@ -82,7 +82,12 @@ def series_of(data: Any) -> tuple[str, np.ndarray, np.ndarray | None]:
 
 def is_series(data: Any) -> bool:
     """Whether it is one column of pandas or polars."""
-    return hasattr(data, "to_numpy") and hasattr(data, "name") and not hasattr(data, "columns") and not hasattr(data, "dims")
+    return (
+        hasattr(data, "to_numpy")
+        and hasattr(data, "name")
+        and not hasattr(data, "columns")
+        and not hasattr(data, "dims")
+    )
 
 
 def _since_first(index: Numbers) -> Numbers:

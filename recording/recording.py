@@ -114,6 +114,12 @@ class Recording:
             f"<Recording {self.name!r}: {self.quantity} in {self.unit}, {self.n} samples at {self.fs:.6g} Hz, {force}>"
         )
 
+    def plot(self) -> Any:
+        """Response and force over time; a matplotlib Figure."""
+        from .picture import plotted
+
+        return plotted(self)
+
     @property
     def n(self) -> int:
         """Number of samples."""

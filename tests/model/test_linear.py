@@ -14,7 +14,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Range, Response, oscillator_with
 from dashpot.model.file import save
-from dashpot.model.linear import linearise
+from dashpot.model.linear import as_json, linearise
 
 M, W0, C3, P, D1, D0 = (TRUTH[name] for name in ("mass", "omega0", "cubic", "preload", "viscous", "dry"))
 
@@ -130,3 +130,41 @@ def test_the_command_prints_what_python_gives(model, tmp_path):
     assert "about a motion of amplitude 0.0005 m at 12.8573 Hz" in words
     assert "B, 0.001 s, the force held" in words
     assert isinstance(CliRunner().invoke(cli, [*arguments[:-1], "0"]).exception, BadInput)
+
+
+def test_poles_come_first_with_frequency_and_damping():
+    linear = linearise(Oscillator.from_values(TRUTH), amplitude=1e-3)
+    pole = linear.poles[1]
+    assert pole.imag > 0
+    ratio = -pole.real / abs(pole)
+    text = repr(linear)
+    assert f"{abs(pole) / 2 / math.pi:.6g} Hz, damping ratio {ratio:.4g}" in text
+    assert text.index("damping ratio") < text.index("A =")
+    assert as_json(linear)["poles"][0]["frequency_hz"] == pytest.approx(abs(pole) / 2 / math.pi)
+    slow = linearise(oscillator_with({**TRUTH, "sensor-lag.time": 0.5}, effects=("sensor-lag",)), amplitude=1e-3)
+    assert "pole -2 1/s, time constant 0.5 s" in repr(slow)
+
+
+def test_scipy_and_control_have_the_same_response():
+    from scipy.signal import StateSpace
+
+    linear = linearise(Oscillator.from_values(TRUTH), amplitude=1e-3)
+    system = linear.to_scipy()
+    assert isinstance(system, StateSpace)
+    sampled = system.to_discrete(1e-3)
+    for theirs, ours in zip((sampled.A, sampled.B), linear.discrete(1e-3), strict=True):
+        assert theirs == pytest.approx(ours, rel=1e-9)
+    n = linear.A.shape[0]
+    wanted = linear.C @ np.linalg.solve(40j * np.eye(n) - linear.A, linear.B) + linear.D
+    pytest.importorskip("control", reason="python-control is not installed")
+    theirs = linear.to_control()
+    assert theirs(40j).ravel() == pytest.approx(wanted.ravel(), rel=1e-9)
+    assert (theirs.state_labels, theirs.input_labels) == (list(linear.state_names), ["F"])
+
+
+def test_without_control_it_is_said(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "control", None)
+    with pytest.raises(BadInput, match=r"pip install control, or take to_scipy\(\)"):
+        linearise(Oscillator.from_values(TRUTH), amplitude=1e-3).to_control()
