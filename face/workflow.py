@@ -102,7 +102,7 @@ def identified(
     from ..model.known_values import known_values
     from ..model.library import find
     from ..model.limits import checked_value
-    from ..model.quantity import said
+    from ..model.quantity import plain, said
     from ..prescribed.looks_imposed import looks_imposed
 
     stated = {**(fixed or {}), **({} if mass is None else {"mass": mass})}
@@ -112,8 +112,10 @@ def identified(
             said(value, f"the fixed {key}")
         else:
             checked_value(key, value)
-    if mass is not None and (fixed or {}).get("mass", mass) != mass:
-        raise BadInput(f"the mass is fixed at {(fixed or {})['mass']} and given as {mass} kg; give it one value")
+    if mass is not None and not math.isclose(
+        plain(held := (fixed or {}).get("mass", mass), "mass"), plain(mass, "mass")
+    ):
+        raise BadInput(f"the mass is fixed at {held} and given as {mass} kg; give it one value")
     if name is not None:
         check_name(name)
     effects = [find(law).name for law in laws]

@@ -24,6 +24,14 @@ def said(text: str, what: str) -> tuple[float, str]:
     return float(found[1]), found[2]
 
 
+def plain(given: float | str, what: str) -> float:
+    """A number as it is, a text with a unit in SI; raises BadInput where the text is none."""
+    if not isinstance(given, str):
+        return float(given)
+    number, unit = said(given, what)
+    return number * (in_base_units(unit, what)[0] if unit else 1.0)
+
+
 def in_base_units(unit: str, what: str) -> tuple[float, dict[str, int]]:
     """Factor to SI and base exponents of a unit that may have prefixes; raises BadInput where a symbol is not known."""
     text = re.sub(r"\s+", ".", unit.strip().translate(_PLAIN).replace("**", ""))

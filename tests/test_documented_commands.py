@@ -75,6 +75,7 @@ HOUSE = "docs/howto/fleet.md"
 #: Pages whose commands are typed beside the README's recordings; fast ones, and those that identify or build.
 TYPED = {
     "docs/hosts/joints.md": (),
+    "docs/programs.md": (),
     "docs/control.md": pytest.mark.long,
     **{f"docs/hosts/{host}.md": pytest.mark.long for host in ("simulink", "openmodelica", "dymola", "amesim")},
     **{f"docs/howto/{path}.md": pytest.mark.long for path in ("vibration", "system", "control")},

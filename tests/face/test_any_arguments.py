@@ -143,8 +143,11 @@ def test_a_model_is_known_by_the_name_it_was_given(model):
 def test_a_mass_that_is_given_twice_is_one_mass():
     with pytest.raises(BadInput, match=r"the mass is fixed at .* kg; give it one value"):
         dashpot.identify(X, fs=500.0, fixed={"mass": 0.27}, mass=0.3)
-    with pytest.raises(BadInput, match="parameter 'mass' must be a plain number"):
-        dashpot.identify(X, fs=500.0, fixed={"mass": "0.27"}, mass=0.3)
+    with pytest.raises(BadInput, match=r"the mass is fixed at 0\.27 kg and given as 0\.3"):
+        dashpot.identify(X, fs=500.0, fixed={"mass": "0.27 kg"}, mass=0.3)
+    with pytest.raises(BadInput, match="the fixed mass is 'heavy'; give a number"):
+        dashpot.identify(X, fs=500.0, fixed={"mass": "heavy"})
+    assert dashpot.identify(X, fs=500.0, fixed={"mass": "270 g"}, mass=0.27)["mass"].value == pytest.approx(0.27)
 
 
 def test_a_force_that_is_nothing_is_refused_in_a_sentence():
