@@ -162,7 +162,7 @@ def hilbert(
     metavar="NAME=VALUE",
     multiple=True,
     callback=fixed_values,
-    help="Parameter that keeps a value, in SI; several times.",
+    help="Parameter that keeps a value, in SI or with a unit (friction=0.15N); several times.",
 )
 @click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
 @click.option(
@@ -202,7 +202,7 @@ def identify(
     report: Path | None,
     as_json: bool,
     effects: tuple[str, ...],
-    fix: dict[str, float],
+    fix: dict[str, float | str],
     mass: float | None,
     start: Path | None,
     mode: str | None,

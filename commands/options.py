@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -150,16 +151,23 @@ def law_names(context: click.Context, parameter: click.Parameter, begun: str) ->
     return [name for name in KNOWN if name.startswith(begun)]
 
 
-def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
-    """``NAME=VALUE`` as a dictionary."""
-    fixed: dict[str, float] = {}
+#: A number with a unit behind it, which is looked at where the recordings' units are known.
+_WITH_UNIT = re.compile(r"\s*[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?\s*(?:[A-Za-zµμ°]|1/).*")
+
+
+def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float | str]:
+    """``NAME=VALUE`` as a dictionary: a number, or a text that begins with one and goes on with a unit."""
+    fixed: dict[str, float | str] = {}
     given: set[str] = set()
     for text in values:
         name, sign, number = text.partition("=")
         try:
             fixed[name.strip()] = float(number)
         except ValueError:
-            sign = ""
+            if _WITH_UNIT.fullmatch(number):
+                fixed[name.strip()] = number.strip()
+            else:
+                sign = ""
         if not sign or not name.strip():
             raise click.BadParameter(f"'{text[:80]}' is not NAME=VALUE with a number, such as viscous=0.5")
         if name.strip() in given:
