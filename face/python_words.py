@@ -11,6 +11,7 @@ from functools import wraps
 from typing import ParamSpec, TypeVar
 
 from ..errors import DashpotError
+from ..recording import Reading
 
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
@@ -26,6 +27,13 @@ _NAMES = {
     "as": "form",
     "law": "dashpot.load_laws",
 }
+#: Those that have the same name: of other programs, such as pip, nothing is touched.
+_ALIKE = frozenset(
+    (
+        *Reading.__annotations__,
+        *("mass", "mode", "faults", "holdout", "seconds", "draws", "seed", "backend", "dof", "step", "name"),
+    )
+)
 #: Those whose values are texts, and those that take names with values.
 _TEXTS = frozenset(
     ("time", "force", "response", "quantity", "unit", "force_unit", "part", "hold", "base", "laws", "form")
@@ -49,6 +57,8 @@ def _argument(found: re.Match[str]) -> str:
     if option == "absolute":
         return "relative=False"
     name = _NAMES.get(option, option.replace("-", "_"))
+    if option not in _NAMES and name not in _ALIKE:
+        return found[0]
     if value is None:
         return f"{name}=" if option not in ("relative", "all", "faults") else f"{name}=True"
     if name in _BY_NAME and "=" in value:

@@ -110,7 +110,7 @@ def test_joblib_identifies():
         ("leave out --fmi 3", "leave out version=3"),
         ("--force-unit states another", "force_unit= states another"),
         ("--mode 99: there is", "mode=99: there is"),
-        ("1 -- 2, a--b, pip install --upgrade", "1 -- 2, a--b, pip install upgrade="),
+        ("1 -- 2, a--b, pip install --upgrade", "1 -- 2, a--b, pip install --upgrade"),
     ],
 )
 def test_options_are_said_as_arguments(sentence, wanted):
