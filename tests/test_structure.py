@@ -204,12 +204,9 @@ def test_import_is_light(module: str, tmp_path: Path) -> None:
 
 
 def test_no_command_needs_scipy_signal() -> None:
-    """It takes a quarter of a second to import, as scipy.stats does that comes with it.
-
-    ``LinearModel.to_scipy`` hands one of its objects out, when asked.
-    """
+    """It takes a quarter of a second to import, as scipy.stats does that comes with it."""
     slow = {("scipy", "signal"), ("scipy", "stats")}
-    own = [path for path in MODULES if path.parts[0] != "examples" and path != Path("model/state_space.py")]
+    own = [path for path in MODULES if path.parts[0] != "examples"]
     trees = {path: ast.parse((ROOT / path).read_text(encoding="utf-8")) for path in own}
     assert [str(path) for path, tree in trees.items() if slow & {name[:2] for _, name in imported(path, tree)}] == []
 
