@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import ctypes
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -155,6 +156,13 @@ def test_it_needs_nothing_but_the_standard_library_and_is_the_same_every_time(mo
 def test_names_of_any_kind_stay_words(models, name):
     rig = loaded(replace(models["base"](), name=name))
     assert rig.xdot([1e-3, 0.0])[0] == 0.0
+
+
+def test_the_block_of_its_page_runs(tmp_path):
+    page = (Path(__file__).resolve().parents[2] / "docs/programs.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    run = subprocess.run([sys.executable, "-P", "-c", block], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert len(run.stdout.splitlines()) == 3
 
 
 def test_a_solver_takes_it(models, tmp_path: Path):

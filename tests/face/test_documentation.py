@@ -12,7 +12,7 @@ PAGE = (Path(__file__).resolve().parents[2] / "docs/python.md").read_text(encodi
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=["model", "recordings"])
+@pytest.mark.parametrize("block", BLOCKS, ids=["model", "known", "recordings"])
 def test_the_block_runs(block, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     exec(compile(block, "docs/python.md", "exec"), {})
