@@ -58,16 +58,17 @@ def in_python(text: str) -> str:
     return text.strip()
 
 
-@pytest.mark.parametrize("effect", LIBRARY)
-def test_every_law_has_the_numbers_of_casadi(with_law, effect):
-    model = with_law(effect)
-    of, p = of_model(model)
-    text = matlab_function(of, "rig")
-    stated = {k: float(v) for k, v in re.findall(r"q\.(\w+) = (\S+);", part(text, "identified"))}
-    assert list(stated.values()) == p
-    given = points(model)
-    for name, wanted in expected(of, given, p).items():
-        same([evaluated(text, FUNCTIONS[name], z, u, t, stated) for z, u, t in given], wanted)
+@pytest.mark.parametrize("part_of_library", range(6))
+def test_every_law_has_the_numbers_of_casadi(with_law, part_of_library):
+    for effect in list(LIBRARY)[part_of_library::6]:
+        model = with_law(effect)
+        of, p = of_model(model)
+        text = matlab_function(of, "rig")
+        stated = {k: float(v) for k, v in re.findall(r"q\.(\w+) = (\S+);", part(text, "identified"))}
+        assert list(stated.values()) == p
+        given = points(model)
+        for name, wanted in expected(of, given, p).items():
+            same([evaluated(text, FUNCTIONS[name], z, u, t, stated) for z, u, t in given], wanted)
 
 
 @pytest.fixture(scope="module")

@@ -30,10 +30,14 @@ def read(model: Oscillator) -> Model:
     return Reader(text_of(model)).model()
 
 
-@pytest.mark.parametrize("effect", LIBRARY)
-def test_every_law_has_the_numbers_of_casadi_between_events(with_law, effect):
+@pytest.mark.parametrize("part_of_library", range(3))
+def test_every_law_has_the_numbers_of_casadi_between_events(with_law, part_of_library):
+    for effect in list(LIBRARY)[part_of_library::3]:
+        compared(with_law(effect))
+
+
+def compared(model: Oscillator) -> None:
     """With the signs that the state shows, away from rest: the plain expression of the equations."""
-    model = with_law(effect)
     of, p = of_model(model)
     eq, written, symbols = of.eq, read(model), [state.symbol for state in of.states]
     plain = casadi.Function("plain", [eq.z, eq.u, eq.p, eq.t, eq.s], [casadi.densify(eq.zdot), eq.y[0]])
