@@ -199,8 +199,8 @@ def driven_through(where: str, fs: float, response: np.ndarray, base: np.ndarray
     moved, wanted = QUANTITIES.index(of_base), THROUGH.index(through)
     if moved > wanted:
         raise BadInput(
-            f"{where}: a {through} passes on the {QUANTITIES[wanted]} of the base, whose {of_base} was recorded; give a "
-            f"column of its {' or its '.join(QUANTITIES[: wanted + 1])} with --base"
+            f"{where}: a {through} passes on the {QUANTITIES[wanted]} of its end, and its {of_base} was recorded; give "
+            f"a column of its {' or its '.join(QUANTITIES[: wanted + 1])} with --base"
         )
     if moved < wanted:
         highest = highest_of(base)

@@ -9,7 +9,7 @@ go or not by less than that little, the tangent is that of a jump, and its infor
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -122,7 +122,7 @@ def _jumps(apart: np.ndarray, effect: np.ndarray, cycle: int, visible: float) ->
     return apart > effect
 
 
-def _most_telling(good: np.ndarray, rows: Sequence[np.ndarray], fewest: float) -> tuple[int, int]:
+def _most_telling(good: np.ndarray, rows: Iterable[np.ndarray], fewest: float) -> tuple[int, int]:
     """Start and end of that run of True, among those of so many samples, that has most of what each row (n,) tells.
 
     Of rows that tell nothing, and where all runs are shorter, it is the longest.
