@@ -139,8 +139,13 @@ def _kept(store: Store, entry: Entry, key: str, stage: str, before: Outcome | No
         return store.keep(outcome)
 
 
-def _recordings(entry: Entry, files: tuple[str, ...], say: Callable[[str], None]) -> list[Recording]:
-    options = {**_READ, **entry.reading, "response": tuple(entry.reading.get("response", ()))}
+def _recordings(entry: Entry, say: Callable[[str], None], *, held_out: bool = False) -> list[Recording]:
+    from ..recording.channel import of_part, stated_channels
+
+    files, count = (entry.recordings, entry.holdout)[held_out], len(entry.recordings)
+    span = (count, None) if held_out else (0, count)
+    stated = of_part(stated_channels(entry.reading.get("channels") or {}), *span, count + len(entry.holdout))
+    options = {**_READ, **entry.reading, "response": tuple(entry.reading.get("response", ())), "channels": stated}
     return read_all(tuple(map(Path, files)), options, say)
 
 
@@ -162,7 +167,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     how = entry.how
 
     def read() -> list[Recording]:
-        return _recordings(entry, entry.recordings, said.append)
+        return _recordings(entry, said.append)
 
     if entry.reading.get("prescribed"):
         return batch_element.identified(entry, key, read, said, model=MODEL, report=REPORT)
@@ -230,7 +235,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
 
     _with_laws(entry)
     said: list[str] = []
-    training, held = (_recordings(entry, files, said.append) for files in (entry.recordings, entry.holdout))
+    training, held = (_recordings(entry, said.append, held_out=held_out) for held_out in (False, True))
     if entry.reading.get("prescribed"):
         return batch_element.diagnosed(entry, before, training, held)
     model = load(place / MODEL)

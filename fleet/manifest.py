@@ -29,7 +29,7 @@ _PATTERN = re.compile(r"[*?\[]")
 #: Options of the manifest that say how a recording is read, as ``recording.read`` has them.
 READING = (
     *("time", "force", "quantity", "unit", "force_unit", "calibration"),
-    *("fs", "part", "max_size", "hold", "base", "relative", "through", "prescribed"),
+    *("fs", "part", "max_size", "hold", "base", "relative", "through", "prescribed", "channels"),
 )
 
 
@@ -196,6 +196,7 @@ def _sound(options: Mapping[str, Any], place: tuple[str | int, ...], document: D
     """Report what no recording could be identified with, before any is."""
     from ..model.fit_state import parse_most_left
     from ..model.library import find
+    from ..recording.channel import stated_channels
 
     checks: list[Callable[[], object]] = [
         lambda law=law: find(law) for law in options.get("laws_beside") or [] if not options.get("law")
@@ -208,6 +209,10 @@ def _sound(options: Mapping[str, Any], place: tuple[str | int, ...], document: D
                 name = {"start": "from", "max_left": "max-left"}.get(key, key)
                 both = f"{name!r} is of an oscillator, and 'prescribed' of a force law by itself"
                 document.report(place, f"{both}; leave one of them out")
+    elif options.get("channels"):
+        document.report(place, "'channels' go with 'prescribed', a force law by itself; leave them out")
+    if options.get("channels"):
+        checks.append(lambda: stated_channels(options["channels"]))
     for check in checks:
         try:
             check()

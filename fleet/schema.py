@@ -38,6 +38,7 @@ class OptionsForm(Form):
     relative: bool | None = None
     through: Literal["spring", "damper"] | None = None
     prescribed: _Word | None = None
+    channels: dict[str, _Word | float | list[_Word | float]] | None = None
     laws_beside: list[_Word] | None = Field(default=None, alias="with")
     fix: dict[str, float] | None = None
     mass: _Positive | None = None

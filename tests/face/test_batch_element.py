@@ -70,3 +70,33 @@ def test_options_of_an_oscillator_are_refused_in_the_manifest(tmp_path: Path) ->
     )
     with pytest.raises(BadInput, match="'mass' is of an oscillator, and 'prescribed' of a force law by itself"):
         read_manifest(path)
+
+
+def test_a_manifest_says_under_which_current_each_file_was_recorded(tmp_path: Path) -> None:
+    for name, viscous in (("off.csv", 400.0), ("half.csv", 700.0), ("full.csv", 1000.0)):
+        specimen = Specimen(MEMBERS | {"viscous": viscous}, "", {})
+        made = recorded(specimen, motion("sweep", 6e-3, 2.0, FS, 8.0), FS, noise=3e-3, motion_noise=2e-5, seed=2)
+        columns = np.column_stack([made.time, made.force, 1e3 * np.asarray(made.response)])
+        np.savetxt(tmp_path / name, columns, "%.9g", ",", header="time_s,force_N,stroke_mm", comments="")
+    (tmp_path / "fleet.yaml").write_text(
+        "format: dashpot-fleet/1\nrigs:\n  - name: damper\n    recordings: [off.csv, full.csv]\n"
+        "    holdout: half.csv\n    prescribed: stroke_mm\n    diagnose: always\n"
+        "    channels: {current: [0A, 1A, 0.5A]}\n"
+    )
+    out = tmp_path / "out"
+    assert ended("batch", tmp_path / "fleet.yaml", "-o", out, "-q") == 0
+    (kept,) = (out / "results").glob("damper-*")
+    (found,) = load_element(kept / "diagnosis" / "model.yaml").dependences
+    assert (found.channel, found.of) == ("current", "viscous")
+    strengths = [load_element(kept / "diagnosis" / "model.yaml").at({"current": c}) for c in (0.0, 1.0)]
+    assert [one.values()["viscous"] for one in strengths] == pytest.approx([400.0, 1000.0], rel=0.02)
+
+
+def test_channels_without_a_prescribed_motion_are_refused_in_the_manifest(tmp_path: Path) -> None:
+    table(tmp_path, "plain.csv", "", {})
+    path = tmp_path / "fleet.yaml"
+    path.write_text(
+        "format: dashpot-fleet/1\nrigs:\n  - {name: a, recordings: plain.csv, channels: {current: 0.5A}}\n"
+    )
+    with pytest.raises(BadInput, match="'channels' go with 'prescribed'"):
+        read_manifest(path)
