@@ -95,8 +95,6 @@ def test_a_manifest_says_under_which_current_each_file_was_recorded(tmp_path: Pa
 def test_channels_without_a_prescribed_motion_are_refused_in_the_manifest(tmp_path: Path) -> None:
     table(tmp_path, "plain.csv", "", {})
     path = tmp_path / "fleet.yaml"
-    path.write_text(
-        "format: dashpot-fleet/1\nrigs:\n  - {name: a, recordings: plain.csv, channels: {current: 0.5A}}\n"
-    )
+    path.write_text("format: dashpot-fleet/1\nrigs:\n  - {name: a, recordings: plain.csv, channels: {current: 0.5A}}\n")
     with pytest.raises(BadInput, match="'channels' go with 'prescribed'"):
         read_manifest(path)
