@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from .model_commands import COMMANDS
 from .options import (
     FILE,
     Above,
+    added_to_files,
     fixed_values,
     law_names,
     most_left,
@@ -166,6 +168,20 @@ def hilbert(
 )
 @click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
 @click.option(
+    "--add-mass",
+    metavar="FILE=0.5kg",
+    multiple=True,
+    callback=added_to_files,
+    help="Known mass that was on the rig in that recording: beside one without, it tells the mass. Several times.",
+)
+@click.option(
+    "--add-stiffness",
+    metavar="FILE=200N/m",
+    multiple=True,
+    callback=added_to_files,
+    help="Known stiffness that stood beside the spring in that recording; as --add-mass.",
+)
+@click.option(
     "--from",
     "start",
     type=FILE,
@@ -204,6 +220,8 @@ def identify(
     effects: tuple[str, ...],
     fix: dict[str, float | str],
     mass: float | None,
+    add_mass: dict[str, str],
+    add_stiffness: dict[str, str],
     start: Path | None,
     mode: str | None,
     faults: bool,
@@ -218,6 +236,7 @@ def identify(
     --max-left, where modes are left, or where the measuring chain has done something to a recording.
     """
     from ..export import SUFFIXES
+    from ..face.added import identified_with_added
     from ..face.workflow import identified, write_identification
     from ..model.fit_state import beyond, faults_of_recordings, left_over
     from ..model.show import as_json as model_json
@@ -230,6 +249,7 @@ def identify(
         )
     if options["prescribed"] is not None:
         unusable = {"--fix": fix, "--mass": mass, "--from": start, "--mode": mode, "--faults": faults}
+        unusable |= {"--add-mass": add_mass, "--add-stiffness": add_stiffness}
         element_commands.identify(
             recordings,
             output,
@@ -243,7 +263,8 @@ def identify(
             options=options,
         )
         return
-    identification = identified(
+    with_added = partial(identified_with_added, masses=add_mass, stiffnesses=add_stiffness)
+    identification = (with_added if add_mass or add_stiffness else identified)(
         lambda: read_all(recordings, options, say),
         name=name or output.stem,
         laws=effects,

@@ -176,6 +176,19 @@ def fixed_values(context: click.Context, parameter: click.Parameter, values: tup
     return fixed
 
 
+def added_to_files(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
+    """``FILE=0.5kg`` as a dictionary of texts."""
+    added: dict[str, str] = {}
+    for text in values:
+        file, sign, size = text.rpartition("=")
+        if not sign or not file.strip() or not _WITH_UNIT.fullmatch(size):
+            raise click.BadParameter(f"'{text[:80]}' is not FILE=SIZE with a unit, such as loaded.csv=0.5kg")
+        if file.strip() in added:
+            raise click.BadParameter(f"what was added to '{file.strip()[:80]}' is given twice; give its sum")
+        added[file.strip()] = size.strip()
+    return added
+
+
 def most_left(context: click.Context, parameter: click.Parameter, text: str | None) -> MostLeft | None:
     """``5%`` of the motion or ``3x`` the noise as the most that a model may leave."""
     from ..errors import BadInput

@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ..errors import BadInput
 from ..files.arguments import path_of, several_of, shown, text_of
 from ..recording import Reading, Recording, recordings_of
+from .added import identified_with_added
 from .fleet import batch as batch
 from .fleet import compare as compare
 from .fleet import watch as watch
@@ -75,6 +77,8 @@ def identify(
     laws: Sequence[str] | str = (),
     fixed: Mapping[str, float | str] | None = None,
     mass: float | str | None = None,
+    add_mass: Mapping[str, float | str] | None = None,
+    add_stiffness: Mapping[str, float | str] | None = None,
     start: Model | Oscillator | ForceElement | str | Path | None = None,
     mode: str | float | None = None,
     faults: bool = False,
@@ -91,6 +95,8 @@ def identify(
         fixed: parameters that keep a value, by name: a number in SI or a text with a unit, {"dry": "0.15 m/s2"}; where
             the mass is known also what the machine has, {"friction": "0.15 N", "stiffness": "1.7 kN/m"}.
         mass: kg, or such as "270 g", where only decays were recorded or it is known.
+        add_mass, add_stiffness: known mass or stiffness that was added to a recording, by its name or file,
+            {"loaded.csv": "0.5 kg"}: beside recordings of the rig as it is, it tells the mass without a force.
         start: model to start from, with its laws; or a damper or spring measured by itself (``load_element``), whose
             further laws then keep their values, divided by the mass (but for those that ``laws`` names).
         mode: which of several modes, by its number or its frequency in Hz.
@@ -117,7 +123,9 @@ def identify(
     from .element import begun_by
 
     say = progress or silent
-    found = identified(
+    added = add_mass or add_stiffness
+    asked = partial(identified_with_added, masses=add_mass or {}, stiffnesses=add_stiffness or {})
+    found = (asked if added else identified)(
         lambda: read(*given, **options),
         name=name,
         laws=[laws] if isinstance(laws, str) else several_of(laws, "laws"),

@@ -97,6 +97,7 @@ class RecordingForm(Form):
     nrmse: Annotated[float, Field(ge=0)] | None = None
     over_noise: Annotated[float, Field(ge=0)] | None = None
     fault: _Sentence | None = None
+    added: _Words | None = None
 
 
 class BandForm(Form):
