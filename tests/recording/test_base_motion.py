@@ -186,7 +186,7 @@ def test_a_damper_passes_on_the_velocity_of_its_end(of_base, order):
 @pytest.mark.parametrize(
     ("arrays", "options", "words"),
     [
-        ({"base_m_s2": base(2)}, {"through": "spring"}, "a spring passes on the displacement of the base"),
+        ({"base_m_s2": base(2)}, {"through": "spring"}, "a spring passes on the displacement of its end"),
         ({"base_m_s2": base(2)}, {"through": "damper"}, "its displacement or its velocity with --base"),
         ({"base_m": base(0)}, {"through": "spring", "relative": True}, "--through and --relative were both given"),
         ({"base_m": base(0)}, {"through": "rope"}, "it can be a spring or a damper"),
