@@ -24,7 +24,7 @@ from ..simulate.work import Meter
 from .asked_again import asked_again
 from .case import Case, Progress, prepare
 from .family import first_fit
-from .odd_blocks import OddBlock, odd_blocks, without
+from .odd_blocks import MOST_TIMES, OddBlock, odd_blocks, without
 from .result import Diagnosis
 from .search.found import Found
 from .search.search import Search
@@ -93,7 +93,7 @@ def _searched(
     Returns:
         The case of the last search, what it ended with, and what was left out.
     """
-    until, left_out = allowed.search_until, []
+    until, left_out, times = allowed.search_until, [], 0
     case = prepare(model, *given, progress)
     taken = time.monotonic() - allowed.begun
     found = find(case, progress, until)
@@ -103,7 +103,8 @@ def _searched(
         if change:
             rest = change.of(given[0]), change.of(given[1])
         else:
-            odd = odd_blocks(found)
+            odd = odd_blocks(found) if times < MOST_TIMES else []
+            times += 1
             rest = without(given[0], odd), without(given[1], odd)
             if rest == given:
                 break

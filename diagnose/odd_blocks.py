@@ -22,13 +22,14 @@ from ..identify.problem.normal_equations import pseudo_inverse
 from ..identify.problem.prediction import FREE
 from ..identify.problem.segments import Segment
 from ..identify.signals.odds import ABOVE_NOISE, BY_CHANCE, SIGNIFICANT
-from ..identify.signals.registry import numerics
+from ..identify.signals.registry import budget, numerics
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .limits import FEWEST_WINDOWS
 from .search.found import Found
 from .search.weigh import in_stretches, judged
 
+MOST_TIMES = budget(2, "searches again", why="where ever more blocks stand out of the rest, they are no exceptions")
 _RANGE = numerics(2.0, "times", why="the range of amplitudes over which a power of it describes what is left")
 
 
