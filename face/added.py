@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
+from ..files.arguments import number_of
 from .workflow import identified
 
 if TYPE_CHECKING:
@@ -44,6 +46,8 @@ def identified_with_added(
     """
     from ..identify.added import Added, absent, with_what_was_added
 
+    if how.get("mass") is not None or "mass" in (fixed or {}):
+        raise BadInput("the mass was given, and what was added tells it; leave one of them out")
     recordings = read()
     sizes = {kind: _of_each(given, kind, recordings) for kind, given in (("mass", masses), ("stiffness", stiffnesses))}
     sets: dict[Added, list[Recording]] = {}
@@ -67,19 +71,22 @@ def _of_each(given: Mapping[str, float | str], kind: str, recordings: Sequence[R
     fit, example = _KINDS[kind]
     made = [0.0] * len(recordings)
     for pattern, value in given.items():
-        size = value
-        if isinstance(value, str):
+        if not isinstance(value, str):
+            size = number_of(value, f"the {kind} added to {pattern}")
+        else:
             number, unit = said(value, f"the {kind} added to {pattern}")
             factor, have = in_base_units(unit, f"the {kind} added to {pattern}") if unit else (1.0, fit[0])
             if {symbol: power for symbol, power in have.items() if symbol != "rad"} not in fit:
                 raise BadInput(f"the {kind} added to {pattern} is {value!r}; give it such as {example}")
             size = number * factor
+        if not (math.isfinite(size) and size):
+            raise BadInput(f"the {kind} added to {pattern} is {value}; give it such as {example}")
         named = [i for i, r in enumerate(recordings) if any(fnmatchcase(n, pattern) for n in _names(r))]
         if not named:
             there = ", ".join(recording.name for recording in recordings[:5])
             raise BadInput(f"no recording is called {pattern!r}, to which something was added; there are {there}")
         for i in named:
-            made[i] += float(size)
+            made[i] += size
     return made
 
 

@@ -124,7 +124,7 @@ def _check_units(element: Element, estimate: Oscillator, recordings: Sequence[Re
             f"{recordings[0].name}: its displacement is in {length}, and {element.name} was measured in "
             f"{element.unit}; give both in one unit"
         )
-    forced = [recording for recording in recordings if recording.force is not None]
+    forced = [r for r in recordings if r.force is not None and not r.rides]  # what a base does is no force
     if forced and forced[0].force_unit != element.force_unit:
         raise BadInput(
             f"{forced[0].name}: its force is in {forced[0].force_unit}, and {element.name} was measured in "

@@ -83,12 +83,20 @@ def test_a_mounting_that_changed_the_rig_is_said_and_widens_the_errors(plain: Re
         ({"again": "50 N"}, {}, "give it such as 0.5 kg"),
         ({}, {"again": "50 kg"}, "give it such as 200 N/m"),
         ({"again": "50 g"}, {}, "by no more than its error"),
+        ({"again": float("nan")}, {}, "mass added to again must be a finite number"),
+        ({"again": 0.0}, {}, "mass added to again is 0.0"),
+        ({"again": True}, {}, "mass added to again"),
     ],
 )
 def test_what_tells_nothing_is_refused(plain: Recording, masses, stiffnesses, words: str) -> None:
     again = decay("again", 5)
     with pytest.raises(BadInput, match=words):
         identified_with_added(lambda: [plain, again], masses, stiffnesses)
+
+
+def test_a_mass_that_is_given_is_not_told_too(plain: Recording) -> None:
+    with pytest.raises(BadInput, match="what was added tells it; leave one of them out"):
+        identify(plain, decay("loaded", 2, 0.05), add_mass={"loaded": 0.05}, mass="270 g")
 
 
 def test_a_load_on_the_wrong_recording_is_refused(plain: Recording) -> None:

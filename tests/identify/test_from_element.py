@@ -11,7 +11,7 @@ from dashpot.examples.specimens import Specimen, motion, recorded
 from dashpot.face.workflow import identified
 from dashpot.model.element import Element
 from dashpot.prescribed.element_fit import identify_element
-from dashpot.recording import Recording
+from dashpot.recording import Recording, recordings_of
 from scipy.integrate import solve_ivp
 
 FS, MASS, STIFFNESS, VISCOUS, DRAG = 400.0, 12.0, 3.0e4, 25.0, 260.0
@@ -100,3 +100,29 @@ def test_an_element_without_further_laws_is_a_start_alone() -> None:
 def test_other_units_are_refused() -> None:
     with pytest.raises(BadInput, match="its displacement is in rad, and damper was measured in m"):
         identified(lambda: [rig(False, unit="rad")], start=element(), mass=MASS)
+
+
+def test_a_rig_that_its_base_drives_takes_the_law_over_the_mass_that_is_given() -> None:
+    t = np.arange(6000) / FS
+    level, turn = 5e-3, 2 * np.pi * (4.0 * t + 0.2 * t**2)
+    pace, rise = 2 * np.pi * (4.0 + 0.4 * t), 2 * np.pi * 0.4
+    base = level * np.sin(turn)
+
+    def rates(at: float, z: np.ndarray) -> list[float]:
+        x, v = z
+        pushed = level * (np.cos(turn_at(at)) * rise - np.sin(turn_at(at)) * (2 * np.pi * (4.0 + 0.4 * at)) ** 2)
+        return [v, -pushed - (STIFFNESS * x + (VISCOUS + OWN) * v + DRAG * v * abs(v)) / MASS]
+
+    def turn_at(at: float) -> float:
+        return 2 * np.pi * (4.0 * at + 0.2 * at**2)
+
+    begun = [0.0, -level * pace[0]]
+    x = solve_ivp(rates, (0.0, t[-1]), begun, t_eval=t, rtol=1e-9, atol=1e-12, max_step=1e-2).y[0]
+    noise = 1e-5 * np.random.default_rng(3).standard_normal((2, t.size))
+    recordings = recordings_of({"time_s": t, "x_m": x + base + noise[0], "base_m": base + noise[1]})
+    with pytest.raises(BadInput, match="which does not tell its mass"):
+        identified(lambda: recordings, start=element())
+    found = identified(lambda: recordings, start=element(), mass=MASS)
+    assert found.oscillator.mass is None
+    assert found.oscillator.values()["quadratic-drag.coefficient"] == pytest.approx(DRAG / MASS, rel=5e-3)
+    assert found.oscillator.omega0.value == pytest.approx(np.sqrt(STIFFNESS / MASS), rel=2e-3)
