@@ -70,9 +70,10 @@ def _against(parameter: Parameter, true: float | None) -> list[str | Cell]:
 def equation_blocks(model: Oscillator) -> tuple[Text, ...]:
     """The equation of motion in letters and with its numbers."""
     unit = model.response.displacement_unit
-    force = (
-        f"the force F in {pretty_unit(model.force_unit)}" if model.mass else f"the force f in {pretty_unit(unit)}/s²"
-    )
+    force = f"the force f in {pretty_unit(unit)}/s²"
+    if model.mass:
+        what = f"{model.input_words}, F," if model.driven_through else "force F"
+        force = f"the {what} in {pretty_unit(model.force_unit)}"
     inside = "inside the bracket all forces are per unit mass" if model.mass else "all forces are per unit mass"
     where = f"The displacement x is in {pretty_unit(unit)}, {force}; {inside}."
     texts = [*model.equation().split("; "), *model.equation(_with_numbers(model)).split("; ")]

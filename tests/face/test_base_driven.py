@@ -12,6 +12,7 @@ from dashpot.model.file import dumps
 from dashpot.model.physical import machine
 from dashpot.model.show import describe, parameter_cells
 from dashpot.recording import recordings_of
+from dashpot.report.parameters import equation_blocks
 from scipy.integrate import solve_ivp
 
 FS, SECONDS = 200.0, 20.0
@@ -114,5 +115,7 @@ def test_a_base_that_moves_one_end_of_a_spring_tells_what_that_spring_moves():
         assert abs(parameters[name].value - value) < 3.5 * (parameters[name].std or 0.0)
     assert (model.driven_through, parameters["mass"].unit, model.force_unit) == ("spring", "s2", "m")
     assert "over the stiffness of the spring that drives it" in describe(model)
+    said = equation_blocks(model)[-1].text
+    assert "the displacement of what moves the other end of the spring that drives it, F, in m" in said
     assert machine(model)["stiffness"].value == pytest.approx(2.0, rel=0.01)  # both springs, over the one
     assert np.std(along(model, recordings).response - x) < 1.2e-3 * np.std(x)
