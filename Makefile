@@ -53,7 +53,7 @@ check: ## set up, then check style, types and structure
 	.venv/bin/ruff check || status=1; \
 	.venv/bin/ruff format --check || status=1; \
 	.venv/bin/pyright || status=1; \
-	.venv/bin/pytest -m "" tests/test_structure.py || status=1; \
+	.venv/bin/pytest -m "" tests/test_structure.py tests/test_circles.py || status=1; \
 	exit $$status
 
 docs: ## set up, then build the site of docs/ into site/, with nothing from the network

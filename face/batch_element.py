@@ -13,6 +13,7 @@ from ..fleet.kept_files import DIAGNOSIS
 from ..fleet.manifest import Entry
 from ..fleet.outcome import Outcome
 from .element import diagnosed_element, fmu_of, identified_element, write_element_diagnosis
+from .row import page_or_why, parameters_of, picture_of
 from .workflow import seconds_allowed
 
 if TYPE_CHECKING:
@@ -35,7 +36,6 @@ def identified(
     from ..files.writing import write
     from ..model.element_file import save_element
     from ..report.element_page import element_page
-    from .batch_entry import page_or_why, parameters_of, picture_of
 
     fit = identified_element(read, name=entry.name, laws=entry.how["with"], every=False, notes=said.append)
     page, without = page_or_why(entry.how["report"], lambda: element_page(fit, files=(model,)).html)
@@ -69,7 +69,6 @@ def diagnosed(
 ) -> tuple[Outcome, Callable[[Path], None]]:
     """What a diagnosis makes of an entry, and what writes its files."""
     from ..diagnose.files import MODEL, REPORT
-    from .batch_entry import parameters_of
 
     how = {"progress": lambda _what, _part: None, "seconds": seconds_allowed(None)}
     told = diagnosed_element(training, held, name=entry.name, **how)

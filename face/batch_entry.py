@@ -7,7 +7,6 @@ When stdin ends, whoever asked is gone, and so is this process.
 from __future__ import annotations
 
 import json
-import math
 import os
 import signal
 import sys
@@ -27,19 +26,15 @@ from ..fleet.manifest import Entry
 from ..fleet.outcome import Outcome
 from ..fleet.store import Busy, Store
 from . import batch_element
+from .row import page_or_why, parameters_of, picture_of
 from .workflow import diagnosed, identified, page_of_diagnosis, read_all
 
 if TYPE_CHECKING:
-    import numpy as np
 
     from ..identify.identification import Identification
-    from ..model import Oscillator
-    from ..model.element import Element
     from ..recording import Recording
 
 MODEL, REPORT = "model.yaml", "report.html"
-#: Parts of a picture of the motion.
-_PARTS = 60
 _READ = {"max_size": 500.0, "calibration": {}} | dict.fromkeys(
     (
         "time",
@@ -211,16 +206,6 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     return outcome, files
 
 
-def page_or_why(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]:
-    """A page, and what is to be said where there is none: a model is worth more than its picture."""
-    if not wanted:
-        return None, []
-    try:
-        return make(), []
-    except Exception as problem:
-        return None, [f"there is no page: {sentence(problem)}"]
-
-
 def _sentence(found: Identification, more: list[str]) -> str:
     said = (found.useless, *found.faults, found.modes_left, *more)
     return next(filter(None, said), "the model leaves no more than it may")
@@ -264,18 +249,6 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
     return outcome, written
 
 
-def parameters_of(model: Oscillator | Element) -> dict[str, dict[str, Any]]:
-    """Value, standard error and unit of each parameter; what is not finite is not known."""
-    return {
-        name: {
-            "value": p.value if math.isfinite(p.value) else None,
-            "std": p.std if p.std is not None and math.isfinite(p.std) else None,
-            "unit": p.unit,
-        }
-        for name, p in model.parameters().items()
-    }
-
-
 def _picture(found: Identification) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """The size of the first recording's motion in each part of its time, 0 to 1, and of what the model leaves of it."""
     import numpy as np
@@ -287,22 +260,3 @@ def _picture(found: Identification) -> tuple[tuple[float, ...], tuple[float, ...
         if part.segment.recording == 0:
             left[part.segment.start : part.segment.stop] = part.segment.response - part.simulated
     return picture_of(motion, left)
-
-
-def picture_of(signal: np.ndarray, left: np.ndarray) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The size of a signal (n,) in each part of its time, 0 to 1, and of what is left of it (n,)."""
-    sizes = _sizes(signal)
-    scale = float(sizes.max()) or 1.0
-    return _shown(sizes / scale), _shown(_sizes(left) / scale)
-
-
-def _sizes(signal: np.ndarray) -> np.ndarray:
-    import numpy as np
-
-    return np.array([np.abs(part).max() for part in np.array_split(signal, min(_PARTS, signal.size))])
-
-
-def _shown(sizes: np.ndarray) -> tuple[float, ...]:
-    import numpy as np
-
-    return tuple(round(float(size), 3) for size in np.clip(np.nan_to_num(sizes, posinf=1.0), 0.0, 1.0))

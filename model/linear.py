@@ -73,7 +73,7 @@ class LinearModel:
         """A ``scipy.signal.StateSpace`` of A, B, C, D: of deviations from the point."""
         from .state_space import of_scipy
 
-        return of_scipy(self)
+        return of_scipy((self.A, self.B, self.C, self.D))
 
     def to_control(self) -> Any:
         """A ``control.StateSpace`` of python-control, with the names of states, input and outputs.
@@ -82,7 +82,8 @@ class LinearModel:
         """
         from .state_space import of_control
 
-        return of_control(self)
+        names = {"states": list(self.state_names), "inputs": ["F"], "outputs": list(self.output_names)}
+        return of_control((self.A, self.B, self.C, self.D), names)
 
     def discrete(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """A (n, n) and B (n, 1) from sample to sample, dt seconds apart, the input held between; exact.

@@ -5,22 +5,25 @@ Both are loaded by their names: no command needs them, and one need not be there
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from ..errors import BadInput
 
-if TYPE_CHECKING:
-    from .linear import LinearModel
+
+def of_scipy(matrices: Sequence[np.ndarray]) -> Any:
+    """A ``scipy.signal.StateSpace`` of A, B, C, D."""
+    return import_module("scipy.signal").StateSpace(*matrices)
 
 
-def of_scipy(linear: LinearModel) -> Any:
-    """A ``scipy.signal.StateSpace``."""
-    return import_module("scipy.signal").StateSpace(linear.A, linear.B, linear.C, linear.D)
+def of_control(matrices: Sequence[np.ndarray], names: Mapping[str, list[str]]) -> Any:
+    """A ``control.StateSpace`` of A, B, C, D with names of ``states``, ``inputs`` and ``outputs``.
 
-
-def of_control(linear: LinearModel) -> Any:
-    """A ``control.StateSpace`` with the names of states, input and outputs; raises BadInput without python-control."""
+    Raises BadInput where python-control is not installed.
+    """
     try:
         control = import_module("control")
     except ImportError:
@@ -28,5 +31,4 @@ def of_control(linear: LinearModel) -> Any:
             "to_control needs the package control (python-control), which is not installed; pip install control, or "
             "take to_scipy()"
         ) from None
-    names = {"states": list(linear.state_names), "inputs": ["F"], "outputs": list(linear.output_names)}
-    return control.ss(linear.A, linear.B, linear.C, linear.D, **names)
+    return control.ss(*matrices, **names)

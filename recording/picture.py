@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import nullcontext
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
-if TYPE_CHECKING:
-    from .recording import Recording
+import numpy as np
+
+from .missing import Runs
 
 _WIDTH, _HEIGHT = 9.2, 2.4
 #: Samples from which on a line is drawn as an image within the picture: as so many strokes it takes megabytes.
@@ -36,24 +38,29 @@ def plot_class() -> Any:
     return Plot
 
 
-def plotted(recording: Recording) -> Any:
-    """The Figure: one axis for the response and, where there is one, one for the force."""
+class Track(NamedTuple):
+    """What is drawn on one axis: values (n,), and the runs of samples that are shaded, in these ``words``."""
+
+    what: str
+    values: np.ndarray
+    unit: str
+    runs: Runs
+    words: str
+
+
+def plotted(name: str, time: np.ndarray, shown: Sequence[Track]) -> Any:
+    """The Figure: one axis for each track over the time (n,), s."""
     from matplotlib.ticker import EngFormatter
 
-    shown = [(recording.quantity.capitalize(), recording.response, recording.unit, recording.blank, "not shown")]
-    if recording.force is not None:
-        what = "Base's motion" if recording.base else "Force"
-        shown.append((what, recording.force, recording.force_unit, recording.unknown, "not known"))
     figure = plot_class()(figsize=(_WIDTH, _HEIGHT * len(shown)), layout="constrained")
-    time = recording.time
     for axes, (what, values, unit, runs, words) in zip(
         figure.subplots(len(shown), 1, squeeze=False, sharex=True).ravel(), shown, strict=True
     ):
-        axes.plot(time, values, linewidth=0.8, color="#4d4d4d", rasterized=recording.n > _MANY)
+        axes.plot(time, values, linewidth=0.8, color="#4d4d4d", rasterized=time.size > _MANY)
         for i, (start, stop) in enumerate(runs):
             axes.axvspan(
                 time[start],
-                time[min(stop, recording.n) - 1],
+                time[min(stop, time.size) - 1],
                 color="#d55e00",
                 alpha=0.2,
                 label=words if i == 0 else None,
@@ -65,6 +72,6 @@ def plotted(recording: Recording) -> Any:
             axes.yaxis.set_major_formatter(EngFormatter(unit))
             axes.set_ylabel(what)
         axes.grid(visible=True, color="#e3e3e3", linewidth=0.7)
-    figure.axes[0].set_title(recording.name, loc="left")
+    figure.axes[0].set_title(name, loc="left")
     figure.axes[-1].set_xlabel("Time [s]")
     return figure

@@ -116,9 +116,13 @@ class Recording:
 
     def plot(self) -> Any:
         """Response and force over time; a matplotlib Figure."""
-        from .picture import plotted
+        from .picture import Track, plotted
 
-        return plotted(self)
+        shown = [Track(self.quantity.capitalize(), self.response, self.unit, self.blank, "not shown")]
+        if self.force is not None:
+            what = "Base's motion" if self.base else "Force"
+            shown.append(Track(what, self.force, self.force_unit, self.unknown, "not known"))
+        return plotted(self.name, self.time, shown)
 
     @property
     def n(self) -> int:

@@ -104,7 +104,7 @@ def test_what_cannot_be_done_is_said_and_nothing_written(capsys, stand, monkeypa
 
 
 def test_a_model_is_kept_where_its_page_cannot_be_made():
-    from dashpot.face.batch_entry import page_or_why
+    from dashpot.face.row import page_or_why
 
     def broken():
         raise ValueError("no picture")
