@@ -30,7 +30,6 @@ from .row import page_or_why, parameters_of, picture_of
 from .workflow import diagnosed, identified, page_of_diagnosis, read_all
 
 if TYPE_CHECKING:
-
     from ..identify.identification import Identification
     from ..recording import Recording
 
