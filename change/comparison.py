@@ -9,7 +9,7 @@ import numpy as np
 
 from ..identify.signals.odds import BY_CHANCE
 from ..model import Oscillator
-from ..model.fit_state import left_over
+from ..model.fit_state import left_of, left_over
 from .estimates import Estimates, laws_of, side_by_side
 from .moved import Moved, joined, what_moved
 from .repeatability import KNOWN, Repeatability, learnt_from, stated_errors
@@ -140,10 +140,10 @@ def trusted(models: Sequence[Oscillator]) -> bool:
 def remarks(models: Sequence[Oscillator], known: Repeatability) -> list[str]:
     """What a user should know of the models that are compared, one sentence each."""
     notes = []
-    worst = max((r.get("over_noise") or 0.0 for m in models for r in m.identified.recordings), default=0.0)
-    if not known.trusted:
+    worst = max((left for model in models for left in left_of(model)), key=lambda left: left.times, default=None)
+    if not known.trusted and worst is not None:
         notes.append(
-            f"the models leave up to {worst:.2g} times the noise, so their parameters are off by more than their "
+            f"the models leave up to {worst.of_noise}, so their parameters are off by more than their "
             "errors; how far was judged by what did not move"
         )
     if known.source == "errors":

@@ -25,6 +25,7 @@ from ..identify.problem.replay import force_of, replay, replayed
 from ..identify.provenance import with_provenance
 from ..identify.signals.odds import ABOVE_NOISE
 from ..model import Oscillator, Response
+from ..model.left import rms, share_of_motion
 from ..recording.recording import Recording
 from ..verify.fmu_run import FmuRun, FmuStopped
 from ..verify.noise_floor import floor_of_model, pieces
@@ -162,7 +163,7 @@ def exported(model: Oscillator, path: Path) -> Path | None:
 def _fit(
     before: Oscillator, after: Oscillator | None, recording: Recording, holdout: bool, run: FmuRun | None
 ) -> RecordFit | None:
-    times, forces, measured, old, new, variances = [], [], [], [], [], []
+    times, forces, measured, old, new, noise = [], [], [], [], [], []
     for part in pieces(recording):
         piece = part.recording
         first = replay(before, piece)
@@ -185,23 +186,18 @@ def _fit(
         forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))
         old.append(first)
         new.append(second)
-        left = min(float(np.sqrt(np.mean((simulated - measured[-1]) ** 2))) for simulated in (first, second))
-        variances.append(np.full(piece.n, floor_of_model(model, part, left) ** 2))
+        left = min(rms([simulated - measured[-1]]) for simulated in (first, second))
+        noise.append(np.full(piece.n, floor_of_model(model, part, left)))
     if not times:
         return None
     y, first, second = (np.concatenate(parts) for parts in (measured, old, new))
-    spread = max(float(np.std(y)), np.finfo(float).tiny)
-
-    def nrmse(simulated: np.ndarray) -> float:
-        return float(np.sqrt(np.mean((simulated - y) ** 2))) / spread
-
     force = np.concatenate(forces)
     return RecordFit(
         recording.name,
         holdout,
-        nrmse(first),
-        nrmse(second),
-        float(np.sqrt(np.mean(np.concatenate(variances)))) / spread,
+        share_of_motion([first - y], [y]),
+        share_of_motion([second - y], [y]),
+        share_of_motion([np.concatenate(noise)], [y]),
         np.concatenate(times),
         y,
         first,

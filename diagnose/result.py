@@ -13,6 +13,8 @@ from ..files.computed_once import computed_once
 from ..identify.hilbert.hilbert_result import HilbertAnalysis, analysis_or_none
 from ..identify.signals.registry import shown
 from ..model import Oscillator, Parameter, Response
+from ..model.fit_state import Left
+from ..model.left import over
 from ..recording.recording import Recording
 from ..simulate.work import Work
 
@@ -48,6 +50,16 @@ class RecordFit:
     after: np.ndarray = field(repr=False)
     force: np.ndarray | None = field(repr=False)
     response: Response
+
+    @property
+    def left_before(self) -> Left:
+        """What the family's best leaves of it, as it is said everywhere."""
+        return Left(self.file, self.nrmse_before, over(self.nrmse_before, self.noise_floor))
+
+    @property
+    def left_after(self) -> Left:
+        """The same of the mended model."""
+        return Left(self.file, self.nrmse_after, over(self.nrmse_after, self.noise_floor))
 
 
 @dataclass(frozen=True)

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import logging
-import math
 import shutil
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from ..identify.problem.data import Data
 from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted
 from ..model import Oscillator
 from ..model.law import Law
+from ..model.left import share_of_motion
 from ..model.library import find
 from ..recording.fact import changed
 from .case import Case, Progress
@@ -85,7 +83,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
     remarks = _remarks(found, left, after)
     if after is None:
         left = replace(left, after=left.before)
-    remainder = remainder_sentence(left.after)
+    remainder = remainder_sentence(left.after, {record.file: record.left_after for record in records})
     unknown = {} if after is None else of_unknown_size(after, _added(case, after))
     effects, unnamed = ((), {}) if after is None else _effects(found, after, unknown)
     unlikely = "is in the model and not named: that it is something else, or nothing, is more probable"
@@ -97,7 +95,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
     verdict = verdict_of(after, remainder, records)
     progress("where, and what to record next", 0.95)
     nothing = verdict == "consistent" and remainder is None
-    location = None if nothing else locate(left.family, left.data)
+    location = None if nothing else locate(left.family, left.data, records)
     latent = () if nothing else latent_forces(left.family, left.data, after)
     experiment = next_experiment(_survivors(found, after or before), left.data)
     effects = tuple(
@@ -307,6 +305,4 @@ def nrmse(fitted: Fitted | None, data: Data) -> float | None:
     """Of all segments together."""
     if fitted is None or not fitted.finite:
         return None
-    power = sum(float(np.sum(r**2)) for r in fitted.residuals)
-    spread = sum(segment.n * float(np.var(segment.response)) for segment in data.segments)
-    return math.sqrt(power / spread)
+    return share_of_motion(fitted.residuals, [segment.response for segment in data.segments])

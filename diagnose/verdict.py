@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from ..identify.signals.odds import ABOVE_NOISE
 from ..identify.signals.registry import shown
 from ..model.effect_words import effect_in_words
+from ..model.fit_state import percent_words
 from .limits import MATTERS
 from .result import Effect, RecordFit, Verdict
 from .search.residual_test import FAR_ABOVE_NOISE, Leftover
@@ -74,16 +75,15 @@ def _consistent(records: Sequence[RecordFit], remainder: str | None) -> str:
         return "Nothing is missing: the model reproduces every recording to within its noise."
     if remainder is not None:
         worst = max(records, key=lambda record: record.nrmse_before)
-        part, times = figure(100 * worst.nrmse_before, 2), figure(_times_the_noise(worst), 2)
+        left = worst.left_before
         return (
-            f"The model reproduces every recording to {part} % of its motion ({worst.file}, {times} times the noise); "
-            "no effect that was tried tells more."
+            f"The model reproduces every recording to {percent_words(100 * left.part)} % of its motion ({worst.file}, "
+            f"{left.of_noise}); no effect that was tried tells more."
         )
-    ratio = _times_the_noise(worst)
+    left = worst.left_before
     return (
-        f"Nothing that moves with the rig is missing: what is left in {worst.file}, {figure(ratio, 2)} times the noise "
-        f"of its highest frequencies and {figure(100 * worst.nrmse_before, 2)} % of the motion, is not seen to follow "
-        "it."
+        f"Nothing that moves with the rig is missing: what is left in {worst.file}, {left.of_noise} of its highest "
+        f"frequencies and {left.of_motion}, is not seen to follow it."
     )
 
 
@@ -124,9 +124,17 @@ def explained_share(before: Sequence[Leftover], after: Sequence[Leftover]) -> fl
     return max(0.0, 1.0 - excess[1] / excess[0])
 
 
+def worst_of(records: Sequence[RecordFit]) -> RecordFit:
+    """The recording that the family's free simulation is off by most, in times its noise; a held-out one if there is.
+
+    What does not come to its end is farthest.
+    """
+    held = [record for record in records if record.holdout]
+    return max(held or records, key=_times_the_noise)
+
+
 def _times_the_noise(record: RecordFit) -> float:
-    """How far the family's free simulation is off; what does not come to its end is farthest."""
-    return record.nrmse_before / max(record.noise_floor, 1e-300) if math.isfinite(record.nrmse_before) else math.inf
+    return record.left_before.times
 
 
 def _held_out(records: Sequence[RecordFit]) -> list[str]:
@@ -134,14 +142,15 @@ def _held_out(records: Sequence[RecordFit]) -> list[str]:
     held = [r for r in records if r.holdout and math.isfinite(r.nrmse_after)]
     if not held:
         return []
-    worst = max(held, key=_times_the_noise)
-    before = f"{100 * worst.nrmse_before:.3g}" if math.isfinite(worst.nrmse_before) else "where nothing simulates"
+    worst = worst_of(held)
+    known = math.isfinite(worst.nrmse_before)
+    before = percent_words(100 * worst.nrmse_before) if known else "where nothing simulates"
     way = "rises" if worst.nrmse_after > worst.nrmse_before else "falls"
     falls = sum(not r.nrmse_after > r.nrmse_before for r in held)
     others = f", and falls in {falls} of the {len(held) - 1} others" if way == "rises" and falls else ""
     return [
-        f"the held-out error {way} from {before} to {100 * worst.nrmse_after:.3g} % of the motion in {worst.file} "
-        f"(noise {100 * worst.noise_floor:.3g} %){others}"
+        f"the held-out error {way} from {before} to {worst.left_after.of_motion} in {worst.file} "
+        f"(noise {percent_words(100 * worst.noise_floor)} %){others}"
     ]
 
 
@@ -152,4 +161,4 @@ def _worst(records: Sequence[RecordFit]) -> str:
     worst = max(records, key=_times_the_noise)
     if not math.isfinite(worst.nrmse_before):
         return f"a free simulation of {worst.file} does not come to its end"
-    return f"a free simulation of {worst.file} is off by {figure(100 * worst.nrmse_before)} % of the motion"
+    return f"a free simulation of {worst.file} is off by {worst.left_before.of_motion}"

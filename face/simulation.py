@@ -15,6 +15,8 @@ from ..errors import BadInput
 from ..files.arguments import number_of, path_of, shown, text_of
 from ..files.writing import write
 from ..model import Oscillator, Response
+from ..model.fit_state import percent_words
+from ..model.left import share_of_motion
 from ..recording import Recording, recordings_of
 from ..recording.content import MOST_MB
 from ..recording.fact import changed
@@ -52,8 +54,7 @@ class Simulation:
         """rms(simulated - measured) / std(measured); None without a recording."""
         if self.measured is None:
             return None
-        left = self.response - self.measured.response
-        return float(np.sqrt(np.mean(left**2)) / np.std(self.measured.response))
+        return share_of_motion([self.response - self.measured.response], [self.measured.response])
 
     @property
     def lost(self) -> float | None:
@@ -69,7 +70,11 @@ class Simulation:
         )
         if self.lost is not None:
             return f"{words}; it runs away at {self.lost:.4g} s"
-        return words if self.nrmse is None else f"{words}; leaves {100 * self.nrmse:.3g} % of the measured motion"
+        return (
+            words
+            if self.nrmse is None
+            else f"{words}; leaves {percent_words(100 * self.nrmse)} % of the measured motion"
+        )
 
     def _repr_html_(self) -> str:
         from .words import paragraph

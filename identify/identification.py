@@ -19,7 +19,7 @@ import numpy as np
 from ..errors import BadInput
 from ..files.computed_once import computed_once
 from ..model import Oscillator, Response
-from ..model.fit_state import FOLLOWS, LACKING, left_over, times_words
+from ..model.fit_state import LACKING, left_over
 from ..model.limits import checked_value
 from ..model.oscillator import Band
 from ..recording.checks import no_reach, overlapping, reversed_force
@@ -38,10 +38,11 @@ from .fit.hold import held_as, hold_note, hold_of_recordings, with_hold
 from .fit.likeliest_modes import Modes, modes_of_fit, odds, stand, with_more_modes
 from .fit.likeliest_stop import likeliest_stop
 from .fit.likelihood import maximum_likelihood
-from .fit.limits import AMISS, FREE_OF_FRICTION, GAIN_RATIO, QUIET
+from .fit.limits import AMISS, FREE_OF_FRICTION, GAIN_RATIO
 from .fit.plainest import plainest
-from .fit.reported_result import Fit, SegmentFit
+from .fit.reported_result import Fit
 from .hilbert.hilbert_result import HilbertAnalysis, analysis_or_none
+from .left import beside_noise, has_lost, is_quiet, left_of_parts, stretch_words
 from .motion.excitation import kind_of
 from .motion.modes import modes_beside
 from .problem.data import Data, data_of
@@ -105,14 +106,14 @@ class Identification:
     @property
     def useless(self) -> str | None:
         """A sentence on what the model is good for where its simulation does not follow the recordings; else None."""
-        lost = [s for s in self.fit.segments if _has_lost(s, self.fit)]
+        lost = [s for s in self.fit.segments if has_lost(s, self.fit)]
         worst = max(lost, key=lambda s: s.nrmse, default=None)
         if worst is None:
             return None
-        name = self.recordings[worst.segment.recording].name
+        where = stretch_words(worst, self.fit, self.recordings)
         return (
-            f"its simulation leaves {100 * worst.nrmse:.0f} % of the motion in {name}: it is good as a start for "
-            "dashpot diagnose, and for nothing else"
+            f"its simulation leaves {left_of_parts([worst]).of_motion} in {where}: it is good as a start for dashpot "
+            "diagnose, and for nothing else"
         )
 
     @property
@@ -122,16 +123,16 @@ class Identification:
         That is the recording of which the model leaves the most, where that is more than noise and much of the motion;
         else a friction that would give energy. None without either, or where the model is ``useless`` anyway.
         """
-        left = [s for s in self.fit.segments if s.over_noise > LACKING and not _is_quiet(s.segment.response, self.fit)]
+        left = [s for s in self.fit.segments if s.over_noise > LACKING and not is_quiet(s.segment.response, self.fit)]
         worst = max(left, key=lambda s: s.nrmse, default=None)
         if self.useless:
             return None
-        if worst is None or not _beside_noise(worst) > AMISS:
+        if worst is None or not beside_noise(worst) > AMISS:
             return friction_that_pushes(self.fit.oscillator)
-        name = self.recordings[worst.segment.recording].name
+        most, where = left_of_parts([worst]), stretch_words(worst, self.fit, self.recordings)
         return (
-            f"its simulation leaves {100 * worst.nrmse:.2g} % of the motion in {name}, "
-            f"{times_words(worst.over_noise)} times the noise: the parameters may be off by more than their errors"
+            f"its simulation leaves {most.of_motion} in {where}, {most.of_noise}: the parameters may be off by more "
+            "than their errors"
         )
 
 
@@ -474,26 +475,10 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             remarks.append(f"{name} is not distinguishable from zero in these recordings")
     for segment in fit.segments:
-        if _has_lost(segment, fit):
+        if has_lost(segment, fit):
             start = segment.segment.time
             remarks.append(
                 f"{recordings[segment.segment.recording].name}, from {start:.3g} s: the model leaves "
-                f"{100 * segment.nrmse:.0f} % of the motion unexplained"
+                f"{left_of_parts([segment]).of_motion} unexplained"
             )
     return remarks
-
-
-def _has_lost(segment: SegmentFit, fit: Fit) -> bool:
-    """Whether the simulation does not follow the motion of a segment that carries some, noise aside."""
-    off = segment.nrmse > FOLLOWS and segment.over_noise > LACKING
-    return off and not _is_quiet(segment.segment.response, fit)
-
-
-def _beside_noise(segment: SegmentFit) -> float:
-    """What a simulation leaves beside noise, over the motion's standard deviation."""
-    return segment.nrmse * float(np.sqrt(max(1.0 - segment.over_noise**-2, 0.0)))
-
-
-def _is_quiet(response: np.ndarray, fit: Fit) -> bool:
-    loudest = max(float(np.std(s.segment.response)) for s in fit.segments)
-    return float(np.std(response)) < QUIET * loudest

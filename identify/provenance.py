@@ -15,6 +15,7 @@ from ..model.oscillator import Band
 from ..recording.recording import Recording
 from .fit.reported_result import Fit, SegmentFit
 from .hilbert.curves import backbone_omega0
+from .left import left_of_recording
 from .motion.blows import ContactForce
 from .motion.excitation import band_of
 from .signals.odds import SIGNIFICANT
@@ -62,7 +63,8 @@ def with_provenance(
     for file, kind in zip(files, kinds, strict=False):
         file["kind"] = kind
     for index, file in enumerate(files):
-        file |= left_of_recording(fit, index)
+        left = left_of_recording(fit, index)
+        file |= {} if left is None else left.as_json()
         if index in faults:
             file["fault"] = faults[index]
     return replace(
@@ -121,16 +123,3 @@ def _seen(curves: Sequence[Curve], fit: Fit, recordings: Sequence[Recording]) ->
         levels[name] = min(level, levels.get(name, level))
     seen = [(curve, curve.amplitude > SIGNIFICANT * levels.get(curve.recording, 0.0)) for curve in curves]
     return [replace(c, amplitude=c.amplitude[out], omega0=c.omega0[out]) for c, out in seen if np.any(out)]
-
-
-def left_of_recording(fit: Fit, index: int) -> dict[str, float]:
-    """What the model leaves of a recording, its stretches together: as a part of the motion, and in times the noise."""
-    parts = [s for s in fit.segments if s.segment.recording == index]
-    if not parts:
-        return {}
-    samples = [s.segment.n for s in parts]
-    motion = np.average([np.var(s.segment.response) for s in parts], weights=samples)
-    left = np.average([np.mean((s.segment.response - s.simulated) ** 2) for s in parts], weights=samples)
-    noise = np.average([s.over_noise**2 for s in parts], weights=samples)
-    measures = {"nrmse": float(np.sqrt(left / motion)) if motion else np.inf, "over_noise": float(np.sqrt(noise))}
-    return {name: float(f"{value:.4g}") for name, value in measures.items() if np.isfinite(value)}

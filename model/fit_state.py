@@ -33,17 +33,22 @@ class MostLeft:
 
 @dataclass(frozen=True)
 class Left:
-    """What a model leaves of a recording, rms.
+    """What a model leaves of a recording, rms; ``left.py`` makes both figures.
 
     Attributes:
         file: the recording's name.
-        part: over the standard deviation of the motion.
-        times: of the prediction errors over the noise.
+        part: over the standard deviation of the motion, simulated freely.
+        times: the same rms over that of the noise.
     """
 
     file: str
     part: float
     times: float
+
+    @property
+    def noise(self) -> float:
+        """What noise alone leaves, as a part of the motion."""
+        return self.part / self.times if self.times > 0 and math.isfinite(self.part) else math.nan
 
     @property
     def of_noise(self) -> str:
@@ -54,6 +59,11 @@ class Left:
     def of_motion(self) -> str:
         """``3.2 % of the motion``."""
         return f"{percent_words(100 * self.part)} % of the motion"
+
+    def as_json(self) -> dict[str, float]:
+        """As a model file has it, under a recording; without what is not finite."""
+        figures = {"nrmse": self.part, "over_noise": self.times}
+        return {name: value for name, value in figures.items() if math.isfinite(value)}
 
 
 def left_of(oscillator: Oscillator) -> list[Left]:
@@ -96,14 +106,14 @@ def beyond(oscillator: Oscillator, most: MostLeft) -> list[str]:
     A part of the motion counts where it is more than noise, which no model tells.
     """
     allowed = (
-        f"{100 * most.part:.4g} % of the motion" if math.isinf(most.times) else f"{most.times:.4g} times the noise"
+        f"{percent_words(100 * most.part)} % of the motion"
+        if math.isinf(most.times)
+        else f"{times_words(most.times)} times the noise"
     )
     return [
-        f"{r['file']}: the model leaves {100 * r['nrmse']:.4g} % of the motion, {r['over_noise']:.4g} times the noise, "
-        f"more than {allowed}"
-        for r in oscillator.identified.recordings
-        if r.get("nrmse") is not None and r.get("over_noise") is not None
-        if (r["nrmse"] > most.part and r["over_noise"] > LACKING) or r["over_noise"] > most.times
+        f"{left.file}: the model leaves {left.of_motion}, {left.of_noise}, more than {allowed}"
+        for left in left_of(oscillator)
+        if (left.part > most.part and left.times > LACKING) or left.times > most.times
     ]
 
 

@@ -16,7 +16,9 @@ from ..identify.fit.limits import CYCLES
 from ..identify.signals.odds import ABOVE_NOISE, SIGNIFICANT
 from ..model.dependence import FORMS
 from ..model.element import Element
+from ..model.fit_state import percent_words, times_words
 from ..model.law import Law
+from ..model.left import over, share_of_motion
 from ..model.library import find
 from ..model.oscillator import Range
 from ..recording.checks import overlapping
@@ -46,7 +48,17 @@ class Record:
     @property
     def over_noise(self) -> float:
         """Times the noise that is left."""
-        return self.nrmse / self.noise_floor
+        return over(self.nrmse, self.noise_floor)
+
+    @property
+    def of_force(self) -> str:
+        """``3.2 % of the force``."""
+        return f"{percent_words(100 * self.nrmse)} % of the force"
+
+    @property
+    def of_noise(self) -> str:
+        """``19 times the noise``."""
+        return f"{times_words(self.over_noise)} times the noise"
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +87,14 @@ class ElementFit:
         worst = max(self.records, key=lambda record: record.over_noise)
         if worst.over_noise <= ABOVE_NOISE:
             return None
-        return (
-            f"it leaves {100 * worst.nrmse:.2g} % of the force in {worst.file}, {worst.over_noise:.3g} times the noise"
-        )
+        return f"it leaves {worst.of_force} in {worst.file}, {worst.of_noise}"
+
+
+def record_of(motion: Imposed, left: np.ndarray) -> Record:
+    """How a motion came out of whose force (n,) is left."""
+    told = motion.told
+    force, share = [motion.force[told]], share_of_motion([left[told]], [motion.force[told]])
+    return Record(motion.name, share, share_of_motion([np.full(int(np.sum(told)), motion.noise)], force))
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,8 +185,8 @@ def diagnose_element(
     if found.dependent:
         best, found = _with_forms(best, whole, found)
     after = _fit_of(best, whole, everything, name) if found.named or found.dependent else None
-    each = [problem.held_records(fitted) for fitted in (found.plain, found.best)]
-    records = [tuple(Record(m.name, *pair) for m, pair in zip(held, pairs, strict=True)) for pairs in each]
+    each = (found.plain.held, found.best.held)
+    records = [tuple(record_of(m, left) for m, left in zip(held, rows, strict=True)) for rows in each]
     progress("done", 1.0)
     return ElementFound(before, after, found, tuple(m.name for m in held), not holdout, *records)
 
@@ -238,10 +255,8 @@ def _fit_of(fitted: Fitted, problem: Problem, recordings: Sequence[Recording], n
         force = force_along(element, motion.displacement, motion.dt, start=motion.start, channels=motion.channels)
         told = motion.told
         force += float(np.mean(motion.force[told] - force[told]))
-        spread = float(np.std(motion.force[told]))
-        left = float(np.sqrt(np.mean((motion.force[told] - force[told]) ** 2)))
         forces.append(force)
-        records.append(Record(motion.name, left / spread, motion.noise / spread))
+        records.append(record_of(motion, motion.force - force))
     files: list[Mapping[str, Any]] = [
         {"file": r.name, "sha256": r.sha256, "kind": "prescribed", "nrmse": one.nrmse, "over_noise": one.over_noise}
         for r, one in zip(recordings, records, strict=True)

@@ -357,14 +357,6 @@ class Problem:
             held.append(np.where(np.isfinite(left), left, np.inf))
         return replace(fitted, likelihood=concentrated_likelihood(spectra), held=tuple(held))
 
-    def held_records(self, fitted: Fitted) -> list[tuple[float, float]]:
-        """Of each motion that nothing was fitted to: what is left over the force, and the noise over it."""
-        made = []
-        for motion, left in zip(self.held, fitted.held, strict=True):
-            spread = float(np.std(motion.force[motion.told]))
-            made.append((float(np.sqrt(np.mean(left[motion.told] ** 2))) / spread, motion.noise / spread))
-        return made
-
     def strengths(self, fitted: Fitted) -> np.ndarray:
         """(linear,) in the order of the columns."""
         return np.array([fitted.values[name] for name in fitted.shape.linear()])

@@ -9,9 +9,10 @@ import numpy as np
 
 from ..diagnose.limits import MATTERS
 from ..diagnose.result import SURE
-from ..diagnose.wording import effects_in_words, figure, quantity
+from ..diagnose.wording import effects_in_words, quantity
 from ..identify.signals.odds import ABOVE_NOISE
 from ..identify.signals.registry import shown
+from ..model.fit_state import percent_words
 from ..model.parameter import Parameter
 from ..model.show import finite
 from .element_fit import ElementFit, ElementFound, Record
@@ -37,7 +38,7 @@ def verdict_of(found: ElementFound) -> Verdict:
 def sentence_of(found: ElementFound) -> str:
     """The verdict for a person: what is missing, how much it takes away, what remains."""
     verdict, worst = verdict_of(found), max(found.best.records, key=lambda record: record.nrmse)
-    left = f"{figure(100 * worst.nrmse, 2)} % of the force in {worst.file}, {_times(worst)}"
+    left = f"{worst.of_force} in {worst.file}, {worst.of_noise}"
     noise = all(record.over_noise <= ABOVE_NOISE for record in found.best.records)
     if verdict == "consistent":
         if noise:
@@ -47,20 +48,20 @@ def sentence_of(found: ElementFound) -> str:
         return f"Something is missing that no law of the library explains: there remains {left}."
     laws = [named.law.name for named in found.found.named]
     before = max(found.before.records, key=lambda record: record.nrmse)
-    parts = [f"the force error falls from {figure(100 * before.nrmse, 2)} to {figure(100 * worst.nrmse, 2)} %"]
+    parts = [f"the force error falls from {_percent(before)} to {_percent(worst)} %"]
     if found.held_before:
         pairs = zip(found.held_before, found.held_after, strict=True)
         one, other = max(pairs, key=lambda pair: pair[0].nrmse)
         where = f"the last third of {one.file}" if found.in_pieces else one.file
-        parts.append(f"in {where}, held out, from {figure(100 * one.nrmse, 2)} to {figure(100 * other.nrmse, 2)} %")
+        parts.append(f"in {where}, held out, from {_percent(one)} to {_percent(other)} %")
     remains = "what is left is noise" if noise else f"there remains {left}"
     figures = ", ".join(parts)
     causes = [*([effects_in_words(laws)] if laws else []), *said_of(found.found, found.best.element)]
     return f"Missing: {'; '.join(causes)}. {figures[0].upper()}{figures[1:]}; {remains}."
 
 
-def _times(record: Record) -> str:
-    return f"{figure(record.over_noise, 2)} times its noise"
+def _percent(record: Record) -> str:
+    return percent_words(100 * record.nrmse)
 
 
 def where_it_fails(fit: ElementFit) -> tuple[str, dict[str, Any]]:

@@ -18,6 +18,7 @@ from ..identify.signals.signals import noise_levels
 from ..model import Response
 from ..model.element import Element
 from ..model.equations import FORCE
+from ..model.left import share_of_motion
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from ..simulate.imposed import force_along
@@ -53,7 +54,10 @@ def check_of_force(run: FmuRun, recording: Recording, noise_ratio: float) -> Rec
     count = DRAWS if one.values.size else DRAWS_OF_FMU
     noise = one.powers(count, own=False)
     drawn = noise if one.exact else one.powers(count, own=True)
-    nrmse, floor = one.left / spread, float(np.sqrt(np.mean(noise))) / spread
+    nrmse, floor = (
+        share_of_motion([(one.force - motion.force)[told]], [motion.force[told]]),
+        float(np.sqrt(np.mean(noise))) / spread,
+    )
     limit = noise_ratio * float(np.sqrt(by_chance(drawn))) / spread
     failed = of_size(nrmse, floor, limit)
     return RecordingCheck(
@@ -96,12 +100,6 @@ class ImposedRun:
     def exact(self) -> bool:
         """Whether nothing is known of errors of its own."""
         return not np.any(self.covariance)
-
-    @property
-    def left(self) -> float:
-        """Root mean square of what it leaves of the force, of the samples that tell."""
-        told = self.motion.told
-        return float(np.sqrt(np.mean((self.force - self.motion.force)[told] ** 2)))
 
     def powers(self, count: int, *, own: bool) -> np.ndarray:
         """(draws,) mean square that each of ``count`` other recordings would leave.

@@ -106,8 +106,8 @@ def _spectral(shown: Sequence[Comparison]) -> list[Comparison]:
 
 
 def _table(shown: Sequence[Comparison]) -> Table:
-    full = shown[0].full_floor
-    head = ["Recording", "NRMSE", "Noise floor" if full else "Sensor noise", "Times the noise"]
+    full = shown[0].by_fmu
+    head = ["Recording", "NRMSE", "Noise floor", "Times the noise"]
     if full:
         head += ["Backbone within", "Reproduced"]
     rows = []
@@ -119,10 +119,8 @@ def _table(shown: Sequence[Comparison]) -> Table:
             row.append(Cell("yes", "good") if c.passed else Cell("no", "bad"))
         rows.append(tuple(row))
     how = "over the whole recording" if full else "stretch by stretch, each from initial values of its own"
-    caption = f"NRMSE: rms(simulated − measured) / std(measured), simulated freely {how}. "
-    caption += (
-        "Noise floor: the same of a perfect model, from the noise of the sensor and that of the recorded force."
-        if full
-        else "Times the noise: what the fit cannot predict, over the noise of the sensor and of the recorded force."
+    caption = (
+        f"NRMSE: rms(simulated − measured) / std(measured), simulated freely {how}. Noise floor: the same of a perfect "
+        "model, from the noise of the sensor and that of the recorded force. Times the noise: the one over the other."
     )
     return Table(tuple(head), tuple(rows), (1, 2, 3, 4) if full else (1, 2, 3), caption)

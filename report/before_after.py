@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..diagnose.verdict import worst_of
 from ..export.render import plain_text
-from ..model.display import number, scale_of, times_text
+from ..model.display import number, percent_text, scale_of, times_text
 from ..verify.verification import NOISE_RATIO
 from .blocks import Block, Cell, Section, Table, Text, picture
 from .chart import Chart, Panel
@@ -22,6 +23,7 @@ from .time_history import samples_a_cycle
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis, RecordFit
     from ..model import Oscillator
+    from ..model.fit_state import Left
 
 #: Points across a picture of half a page.
 _ACROSS = 300
@@ -80,32 +82,29 @@ def _pictures(diagnosis: Diagnosis) -> list[Block]:
 
 def fit_sentence(records: Sequence[RecordFit], mended: bool) -> str:
     """How much is left before and after, in the worst recording that counts: a held-out one where there is one."""
-    held = [r for r in records if r.holdout]
-    some = held or list(records)
-    worst = max(some, key=lambda r: r.nrmse_before if math.isfinite(r.nrmse_before) else math.inf)
-    of = "the held-out recordings" if held else "the recordings, none of which was held out"
-    which = f"Worst of {of}, {worst.file}" if len(some) > 1 else f"{worst.file}{' (held out)' if held else ''}"
-    before, after, floor = (_share(v) for v in (worst.nrmse_before, worst.nrmse_after, worst.noise_floor))
-    clause = (
-        f"the old model leaves {before} of the motion, the new one {after}"
-        if mended
-        else f"the model leaves {before} of the motion"
-    )
+    worst = worst_of(records)
+    some = [r for r in records if r.holdout] or list(records)
+    of = "the held-out recordings" if worst.holdout else "the recordings, none of which was held out"
+    which = f"Worst of {of}, {worst.file}" if len(some) > 1 else f"{worst.file}{' (held out)' if worst.holdout else ''}"
+    before, after = (_words(left) for left in (worst.left_before, worst.left_after))
+    clause = f"the old model leaves {before}, the new one {after}" if mended else f"the model leaves {before}"
+    floor = f"{percent_text(100 * worst.noise_floor)}" if math.isfinite(worst.noise_floor) else "an unknown part"
     return f"{which}: {clause}, where noise alone makes {floor}."
 
 
-def _share(nrmse: float) -> str:
-    return f"{number(100 * nrmse)} %" if math.isfinite(nrmse) else "an unknown part"
+def _words(left: Left) -> str:
+    if not math.isfinite(left.part):
+        return "an unknown part of the motion"
+    return f"{percent_text(100 * left.part)} of the motion ({times_text(left.times)} times the noise)"
 
 
 def ratio_to_floor(record: RecordFit) -> float:
     """NRMSE after mending over the noise floor; NaN where either is not known."""
-    return record.nrmse_after / record.noise_floor if record.noise_floor > 0 else math.nan
+    return record.left_after.times if math.isfinite(record.left_after.times) else math.nan
 
 
 def _excess(record: RecordFit) -> float:
-    ratio = record.nrmse_before / record.noise_floor if record.noise_floor > 0 else math.inf
-    return ratio if math.isfinite(ratio) else math.inf
+    return record.left_before.times
 
 
 def fit_table(records: Sequence[RecordFit], caption: str, mended: bool) -> Table:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..identify.provenance import left_of_recording
+from ..identify.left import left_of_recording
 from ..identify.signals.hilbert import noise_level
-from ..identify.signals.signals import response_of
 from ..model import Response
+from ..model.left import over
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -25,8 +26,8 @@ class Comparison:
         name: of the recording.
         time, measured, simulated: (n,) s and the response's unit; ``simulated`` is NaN where nothing was simulated.
         nrmse: rms(simulated - measured) / std(measured), over what was simulated.
-        noise_floor: the same of a perfect model; ``full_floor`` tells whether the noise on the force counts in it.
-        over_noise: times the noise that is left; None: NRMSE over noise floor.
+        noise_floor: the same of a perfect model, from the noise of sensor and force.
+        by_fmu: whether an FMU was run, over all of the recording, instead of the fit's own stretches.
         response: what was measured, and in which unit.
         held_out: whether the identification has not seen it.
         backbone_error: largest distance of the backbones, Hz; None where not known.
@@ -39,12 +40,11 @@ class Comparison:
     simulated: np.ndarray
     nrmse: float
     noise_floor: float
-    full_floor: bool
+    by_fmu: bool
     response: Response
     held_out: bool = False
     backbone_error: float | None = None
     passed: bool | None = None
-    over_noise: float | None = None
 
     @property
     def residual(self) -> np.ndarray:
@@ -70,9 +70,7 @@ class Comparison:
     @property
     def ratio(self) -> float:
         """Times the noise that is left: 1 for a perfect model."""
-        if self.over_noise is not None:
-            return self.over_noise
-        return self.nrmse / self.noise_floor if self.noise_floor > 0 else float("inf")
+        return over(self.nrmse, self.noise_floor)
 
 
 def comparisons(identification: Identification, verification: Verification | None) -> tuple[Comparison, ...]:
@@ -103,27 +101,13 @@ def of_verification(verification: Verification) -> tuple[Comparison, ...]:
 
 
 def _of_fit(identification: Identification, index: int) -> Comparison | None:
-    recording = identification.recordings[index]
+    recording, left = identification.recordings[index], left_of_recording(identification.fit, index)
+    if left is None or not math.isfinite(left.part):
+        return None
     simulated = np.full(recording.n, np.nan)
     for fitted in identification.fit.segments:
         if fitted.segment.recording == index:
             simulated[fitted.segment.start : fitted.segment.stop] = fitted.simulated
-    there = np.isfinite(simulated)
-    spread = float(np.std(recording.response))
-    if not there.any() or not spread > 0:
-        return None
     measured = np.asarray(recording.response, float)
-    floor = response_of(recording).noise / float(np.std(measured[there]))
     shown = Response(recording.quantity, recording.unit)
-    left = left_of_recording(identification.fit, index)  # what the model file says
-    return Comparison(
-        recording.name,
-        recording.time,
-        measured,
-        simulated,
-        left.get("nrmse", float("nan")),
-        floor,
-        False,
-        shown,
-        over_noise=left.get("over_noise"),
-    )
+    return Comparison(recording.name, recording.time, measured, simulated, left.part, left.noise, False, shown)

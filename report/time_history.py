@@ -84,8 +84,7 @@ def agreement_figure(
     rest.band(band.time, band.low, band.high, MODEL, "residual, extremes", alpha=0.35)
     rest.line(band.time, band.rms, MODEL, "residual, rms", width=0.9)
     level = comparison.noise_rms * fine.factor
-    floor = "noise floor, rms" if comparison.full_floor else "sensor noise, rms"
-    rest.rule(level, EXACT, floor)
+    rest.rule(level, EXACT, "noise floor, rms")
     rest.x.set(low=float(comparison.time[0]), high=float(comparison.time[-1] + 1 / comparison.fs))
     rest.y.set(label=fine.label(f"{source[0].upper()}{source[1:]} − measured"))
     rest.title = f"What the {source} leaves"

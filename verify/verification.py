@@ -23,6 +23,7 @@ from ..identify.fit.hold import held_as
 from ..identify.problem.replay import Replay, force_of, run_along
 from ..identify.signals.signals import noise_levels
 from ..model import Response
+from ..model.left import share_of_motion
 from ..model.show import finite
 from ..recording.given import recordings_of
 from ..recording.prescribed import refuse_free, refuse_prescribed
@@ -203,7 +204,7 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     count = DRAWS if all(one.twin.values.size for one in runs) else DRAWS_OF_FMU
     noise = powers(runs, count, own=False)
     drawn = noise if all(one.twin.exact for one in runs) else powers(runs, count, own=True)
-    nrmse = float(np.sqrt(np.mean((simulated - measured) ** 2))) / spread
+    nrmse = share_of_motion([simulated - measured], [measured])
     floor = float(np.sqrt(np.mean(noise))) / spread
     limit = noise_ratio * float(np.sqrt(by_chance(drawn))) / spread
     backbones = [pair for place, one in enumerate(runs) for pair in compared(one, place)]

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ...errors import DashpotError
 from ...identify.problem.data import Data
 from ...identify.problem.structure import Fitted
 from ..limits import LEAST_EVIDENCE
-from ..result import Location
+from ..result import Location, RecordFit
 from .equation_error import equation_error
 from .mismatch_ranges import excess_range
 from .statement import how_far_off, in_which_recordings, what_it_follows
 from .what_it_follows import Symptoms, symptoms
 
 
-def locate(fitted: Fitted, data: Data) -> Location:
+def locate(fitted: Fitted, data: Data, records: Sequence[RecordFit] = ()) -> Location:
     """Say where the mismatch lies.
 
     Displacement, velocity and harmonic orders are those of the missing force (see ``equation_error``), since a free-run
@@ -24,6 +26,7 @@ def locate(fitted: Fitted, data: Data) -> Location:
     Args:
         fitted: the best fit of the given family.
         data: what it was fitted to.
+        records: what its free simulation leaves of each recording, for the sentence.
     """
     model = fitted.model
     if not np.all(np.isfinite(list(model.values().values()))):
@@ -34,13 +37,13 @@ def locate(fitted: Fitted, data: Data) -> Location:
         return _everywhere(data, f"the place is not known: {problem}")
     if not stretches:
         return _everywhere(data, "the place is not known: the recordings move too little or for too few cycles")
-    off = how_far_off(fitted, data)
+    off = how_far_off(records)
     if evidence < LEAST_EVIDENCE:
         return _everywhere(data, f"no missing force stands out of the noise in any recording{off}")
     signature = symptoms(stretches)
     if not signature.here:
         return _everywhere(data, f"too little stands out of the noise in any one recording to tell where{off}")
-    return _location(signature, data, fitted)
+    return _location(signature, data, fitted, off)
 
 
 def _everywhere(data: Data, statement: str) -> Location:
@@ -60,7 +63,7 @@ def _everywhere(data: Data, statement: str) -> Location:
     )
 
 
-def _location(signature: Symptoms, data: Data, fitted: Fitted) -> Location:
+def _location(signature: Symptoms, data: Data, fitted: Fitted, off: str) -> Location:
     rows, model = signature.rows, fitted.model
     wide = _everywhere(data, "")
     x, v = rows.joined(lambda s: s.x), rows.joined(lambda s: s.v)
@@ -76,7 +79,7 @@ def _location(signature: Symptoms, data: Data, fitted: Fitted) -> Location:
     names = [r.name for r in data.recordings]
     return Location(
         path=signature.path,
-        statement=f"{what}; {in_which_recordings(signature, names)}{how_far_off(fitted, data)}",
+        statement=f"{what}; {in_which_recordings(signature, names)}{off}",
         displacement=ranges["displacement"],
         velocity=ranges["velocity"],
         amplitude=ranges["amplitude"],

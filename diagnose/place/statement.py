@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
-from ...identify.problem.data import Data
-from ...identify.problem.structure import Fitted
 from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ...model.units import compose
 from ..limits import ALL_AMPLITUDES
+from ..result import RecordFit
 from ..wording import figure, quantity, spoken
 from .free_form import KINDS, TURNING, Rows, explained, idle, solve
 from .mismatch_ranges import where_it_is
@@ -210,14 +212,11 @@ def in_which_recordings(signature: Symptoms, names: list[str]) -> str:
     return f"in {spoken(here)}, not in {spoken(absent)}"
 
 
-def how_far_off(fitted: Fitted, data: Data) -> str:
-    """How far the response is off."""
-    worst, name = 0.0, ""
-    for segment, residual, sensor in zip(data.segments, fitted.residuals, data.sensor, strict=True):
-        times = float(np.sqrt(np.mean(residual**2))) / max(sensor, 1e-300)
-        if np.isfinite(times) and times > worst:
-            worst, name = times, data.recordings[segment.recording].name
-    return f" (response off by up to {figure(worst, 2)} times the noise, in {name})" if name else ""
+def how_far_off(records: Sequence[RecordFit]) -> str:
+    """How far the response is off where it is farthest."""
+    known = [record.left_before for record in records if math.isfinite(record.left_before.times)]
+    worst = max(known, key=lambda left: left.times, default=None)
+    return f" (response off by up to {worst.of_noise}, in {worst.file})" if worst is not None else ""
 
 
 def _gain(rows: Rows, *columns: np.ndarray) -> float:

@@ -19,7 +19,7 @@ from ...model.oscillator import Oscillator, Term
 from ..limits import GROUP, LISTED, MATTERS
 from .candidate import Candidate
 from .chance import by_chance
-from .residual_test import times_the_noise
+from .residual_test import times_of_each
 
 _BAGS = budget(100, "draws of the blocks", why="a probability of a half is then known to a twentieth")
 
@@ -72,7 +72,7 @@ def needed_in_samples(fitted: Fitted, data: Data) -> float:
     As ``log_odds`` has it, on the training recordings and but for chance: far from the noise nothing that gains less is
     accepted, and at the noise this is nothing.
     """
-    ratio = max(times_the_noise(fitted.residuals, fitted.model, data))
+    ratio = max(times_of_each(fitted.residuals, fitted.model, data))
     share = _beyond_noise(ratio)
     if share <= 0.0 or not fitted.finite:
         return 0.0
@@ -103,7 +103,7 @@ def leaves_mismatch(candidate: Candidate, parts: Sequence[Data]) -> bool:
 
 def _times_the_noise(candidate: Candidate, parts: Sequence[Data]) -> list[float]:
     fits = [fit for fit in (candidate.fit, candidate.held_out) if fit is not None]
-    return [r for fit, data in zip(fits, parts, strict=True) for r in times_the_noise(fit.residuals, fit.model, data)]
+    return [r for fit, data in zip(fits, parts, strict=True) for r in times_of_each(fit.residuals, fit.model, data)]
 
 
 def accepted(candidate: Candidate, leader: Candidate, parts: Sequence[Data]) -> bool:

@@ -18,7 +18,7 @@ from ...identify.problem.structure import Fitted
 from ...identify.signals.noise_spectrum import NoiseSpectrum, white
 from ...model import Oscillator
 from ..limits import NEAR
-from .residual_test import leftover, times_the_noise
+from .residual_test import leftover, times_of_each
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class Measure:
     def near(self, residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> bool:
         """Whether what a structure leaves is about the noise in size."""
         if self.noise is None:
-            return max(times_the_noise(residuals, model, data)) <= NEAR
+            return max(times_of_each(residuals, model, data)) <= NEAR
         return max(self._levels(residuals)) <= NEAR**2
 
     def _levels(self, residuals: Sequence[np.ndarray]) -> list[float]:
@@ -72,7 +72,7 @@ def measure_by(fitted: Fitted, data: Data) -> Measure:
 
 def _is_noise(fitted: Fitted, data: Data) -> bool:
     """Whether what is left is near the noise in size, or at least does not move with the rig."""
-    ratios = times_the_noise(fitted.residuals, fitted.model, data)
+    ratios = times_of_each(fitted.residuals, fitted.model, data)
     if max(ratios) <= NEAR:
         return True
     # the loudest first: one that is no noise is enough

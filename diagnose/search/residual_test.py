@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -22,9 +23,10 @@ from ...identify.signals.noise_spectrum import estimate
 from ...identify.signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE
 from ...identify.signals.registry import numerics, shown
 from ...model import Oscillator
+from ...model.fit_state import Left
+from ...model.left import share_of_motion, times_the_noise
 from ...recording.smoothing import analytic_of
 from ..limits import BEYOND_CHANCE, BURST, FAR_ABOVE_NOISE, FEWEST_WINDOWS, IN_STEP, UNTOLD
-from ..wording import figure
 
 _SHORTEST = numerics(4, "samples", why="of a window that has a power")
 _SHORTER = numerics(3, "windows", why="a short segment is cut in windows of so much less")
@@ -63,6 +65,11 @@ class Leftover:
     span: tuple[float, float] | None = None
 
     @property
+    def left(self) -> Left:
+        """How much that is, as it is said everywhere."""
+        return Left(self.file, self.part, self.ratio)
+
+    @property
     def is_mismatch(self) -> bool:
         """Whether it is more than noise."""
         if self.with_motion > 0 or self.in_step > 0 or self.resonant > 0 or self.burst_s is not None:
@@ -85,8 +92,8 @@ def _leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
     """The same, but for when it was."""
     segment, residual = data.segments[index], fitted.residuals[index]
     name = data.recordings[segment.recording].name
-    rms = float(np.sqrt(np.mean(residual**2)))
-    ratio, part = rms / expected(fitted, data, index), rms / max(float(np.std(segment.response)), 1e-300)
+    ratio = times_the_noise([residual], [expected(fitted, data, index)])
+    part = share_of_motion([residual], [segment.response])
     size = max(_SHORTEST, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
     count = segment.n // size
     if count < FEWEST_WINDOWS:
@@ -226,17 +233,23 @@ def expected(fitted: Fitted, data: Data, index: int) -> float:
     return expected_noise(data.segments[index], fitted.model.values(), data.sensor[index], data.force[index])
 
 
-def times_the_noise(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[float]:
+def times_of_each(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[float]:
     """Rms of what is left in each segment over that of the noise."""
     values = model.values()
     return [
-        float(np.sqrt(np.mean(residual**2))) / expected_noise(segment, values, data.sensor[i], data.force[i])
+        times_the_noise([residual], [expected_noise(segment, values, data.sensor[i], data.force[i])])
         for i, (segment, residual) in enumerate(zip(data.segments, residuals, strict=True))
     ]
 
 
-def sentence(left: Sequence[Leftover]) -> str | None:
-    """What stays beyond the noise, in words; None where nothing does."""
+def sentence(left: Sequence[Leftover], whole: Mapping[str, Left] = MappingProxyType({})) -> str | None:
+    """What stays beyond the noise, in words; None where nothing does.
+
+    Args:
+        left: what is left of each stretch.
+        whole: what is said to be left of whole recordings elsewhere, by name: said of those that are one stretch, if it
+            is more than noise.
+    """
     worst: dict[str, Leftover] = {}
     for leftover in sorted(
         (leftover for leftover in left if leftover.is_mismatch), key=lambda leftover: leftover.ratio
@@ -248,17 +261,14 @@ def sentence(left: Sequence[Leftover]) -> str | None:
     segments = Counter(leftover.file for leftover in left)
     parts = []
     for leftover in bad[:_SAID]:
-        when = _when(leftover) if segments[leftover.file] > 1 else ""
-        parts.append(f"{_size(leftover)} in {leftover.file}{when}{_how(leftover)}")
+        alike = whole.get(leftover.file) if segments[leftover.file] == 1 else None
+        said = alike if alike is not None and alike.times > ABOVE_NOISE else leftover.left
+        when = _when(leftover) if segments[leftover.file] > 1 or (whole and said is not alike) else ""
+        size = f"{said.of_motion} ({said.of_noise})" if math.isfinite(said.part) else said.of_noise
+        parts.append(f"{size} in {leftover.file}{when}{_how(leftover)}")
     others = len(bad) - _SAID
     more = f", and more in {others} further recording{'s' if others > 1 else ''}" if others > 0 else ""
     return f"there remains {'; '.join(parts)}{more}"
-
-
-def _size(leftover: Leftover) -> str:
-    """How much is left: of the motion, and in times the noise."""
-    times = f"{figure(leftover.ratio, 2)} times the noise"
-    return f"{figure(100 * leftover.part, 2)} % of the motion ({times})" if np.isfinite(leftover.part) else times
 
 
 def _when(leftover: Leftover) -> str:

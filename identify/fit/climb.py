@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model import Oscillator
+from ...model.left import share_of_motion
 from ..problem.descent import search
 from ..problem.output_error import OutputError, State
 from ..problem.settle import settled
@@ -84,7 +85,7 @@ def _climbed(problem: OutputError, state: State, maxima: Maxima) -> Climb:
         stage_problem, iterations = problem.over(stage), iterations + steps
     ratios = np.array(
         [
-            nrmse_of(residual, segment.response)
+            share_of_motion([residual], [segment.response])
             for residual, segment in zip(stage_problem.residuals(state), stage_problem.segments, strict=True)
         ]
     )
@@ -94,10 +95,3 @@ def _climbed(problem: OutputError, state: State, maxima: Maxima) -> Climb:
     log_nrmse = float(np.sum(left * size)) / sum(segment.n for segment in problem.segments)
     lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
     return Climb(stage_problem, state, rungs, iterations, whole, log_nrmse, lost)
-
-
-def nrmse_of(residual: np.ndarray, response: np.ndarray) -> float:
-    """Rms of a residual (n,) over the standard deviation of what was recorded; inf where either has none."""
-    spread = float(np.std(response))
-    size = float(np.sqrt(np.mean(residual**2)))
-    return size / spread if spread > 0 and np.isfinite(size) else np.inf

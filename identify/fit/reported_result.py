@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model import Oscillator
+from ...model.left import share_of_motion, times_the_noise
 from ...recording.recording import Recording
 from ..problem.data import Data
 from ..problem.descent import MOST_STEPS, search
@@ -29,10 +30,19 @@ from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from ..signals.odds import ABOVE_NOISE, DECISIVE
 from ..signals.registry import budget, numerics
 from .choose_noise_model import plain_cost
-from .climb import nrmse_of
 from .from_prediction import EARLY_STEPS, keeps_step, memories, simulates
 from .offsets import found_offsets, kept_offsets, zeros_of
-from .reweighted_fit import NEAR_ENOUGH, Answer, concentrated, finished, over_noise, reweighted, whitened, within_reach
+from .reweighted_fit import (
+    NEAR_ENOUGH,
+    Answer,
+    concentrated,
+    finished,
+    noise_alone,
+    over_noise,
+    reweighted,
+    whitened,
+    within_reach,
+)
 from .scatter import noise_on_forces, scatter
 
 _UNSEEN = numerics(1e-6, "of the motion", why="what an unknown moves that the recordings do not carry")
@@ -55,7 +65,8 @@ class SegmentFit:
         initial: (states,) displacement, velocity and inner states at its first sample.
         simulated: (n,) response, simulated freely, the sensor's offset in it.
         nrmse: rms(simulated - measured) / std(measured).
-        over_noise: rms of the prediction errors over that of the noise.
+        over_noise: rms of the prediction errors over that of the noise: what the fit is judged by.
+        noise: rms that noise alone leaves, in the response's unit.
     """
 
     segment: Segment
@@ -63,6 +74,12 @@ class SegmentFit:
     simulated: np.ndarray
     nrmse: float
     over_noise: float
+    noise: float
+
+    @property
+    def left(self) -> np.ndarray:
+        """(n,) what its simulation leaves."""
+        return self.segment.response - self.simulated
 
 
 @dataclass(frozen=True, eq=False)
@@ -308,14 +325,18 @@ def _result(
     identified = start.with_parameters(
         {name: replace(old[name], value=value, std=_std(name, names, lost, errors)) for name, value in values.items()}
     )
+    levels = noise_alone(problem, outcome.state, start, recordings)
     fits = tuple(
-        SegmentFit(segment, initial, segment.response - residual, nrmse_of(residual, segment.response), ratio)
-        for segment, initial, residual, ratio in zip(
-            problem.segments,
-            outcome.state.initial,
-            free_run,
-            over_noise(problem, outcome.residuals, outcome.state, start, recordings),
-            strict=True,
+        SegmentFit(
+            segment,
+            initial,
+            segment.response - left,
+            share_of_motion([left], [segment.response]),
+            times_the_noise([residual], [noise_rms]),
+            noise_rms,
+        )
+        for segment, initial, left, residual, noise_rms in zip(
+            problem.segments, outcome.state.initial, free_run, outcome.residuals, levels, strict=True
         )
     )
     points = sum(segment.n for segment in problem.segments)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...model import Oscillator
+from ...model.left import times_the_noise
 from ...recording.recording import Recording
 from ..problem.data import equivalent_resonance, expected_noise, noise_at
 from ..problem.descent import MOST_STEPS, Descent, search
@@ -149,14 +150,14 @@ def over_noise(
     recordings: Sequence[Recording],
 ) -> list[float]:
     """For each segment the rms of what is left over that of the noise."""
+    levels = noise_alone(problem, state, start, recordings)
+    return [times_the_noise([residual], [level]) for residual, level in zip(residuals, levels, strict=True)]
+
+
+def noise_alone(problem: OutputError, state: State, start: Oscillator, recordings: Sequence[Recording]) -> list[float]:
+    """Rms that noise of sensor and force alone leaves of each segment, in its unit."""
     values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    ratios = []
-    for segment, residual in zip(problem.segments, residuals, strict=True):
-        sensor, force = noise_levels(recordings[segment.recording])
-        level = expected_noise(segment, values, sensor, force)
-        ratio = float(np.sqrt(np.mean(residual**2))) / level
-        ratios.append(ratio if np.isfinite(ratio) else np.inf)
-    return ratios
+    return [expected_noise(s, values, *noise_levels(recordings[s.recording])) for s in problem.segments]
 
 
 def _remainders(

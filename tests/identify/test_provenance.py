@@ -11,7 +11,8 @@ from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
 from dashpot.identify.fit.likelihood import maximum_likelihood
-from dashpot.identify.provenance import left_of_recording, with_provenance
+from dashpot.identify.left import left_of_parts, left_of_recording, stretch_words
+from dashpot.identify.provenance import with_provenance
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
@@ -53,20 +54,31 @@ def test_a_covariance_whose_halves_differ_by_rounding_can_be_read_again(fit, rec
     assert np.array(loads(dumps(model)).identified.covariance) == pytest.approx(rounded, rel=2e-5)
 
 
-def test_of_several_stretches_it_is_the_whole(fit):
-    """Each by its samples: a second one twice as far off and three times as loud."""
+def test_of_several_stretches_it_is_the_whole(fit, recording):
+    """Each by its samples: a second one twice as far off, three times as loud, and of twice the noise."""
     (first,) = fit.segments
     segment, left = first.segment, first.segment.response - first.simulated
     second = replace(
         first,
         segment=replace(segment, response=3.0 * segment.response),
         simulated=3.0 * segment.response - 2.0 * left,
-        over_noise=2.0 * first.over_noise,
+        noise=2.0 * first.noise,
     )
-    both = left_of_recording(replace(fit, segments=(first, second)), 0)
-    assert both["over_noise"] == pytest.approx(first.over_noise * np.sqrt(2.5), rel=1e-3)
-    assert both["nrmse"] == pytest.approx(first.nrmse * np.sqrt(5.0 / 10.0), rel=1e-3)
-    assert left_of_recording(fit, 1) == {}
+    several = replace(fit, segments=(first, second))
+    both, one = left_of_recording(several, 0), left_of_recording(fit, 0)
+    assert both.times == pytest.approx(one.times, rel=1e-3)
+    assert both.part == pytest.approx(one.part * np.sqrt(5.0 / 10.0), rel=1e-2)  # about one mean of both
+    assert left_of_parts([second]).times == pytest.approx(one.times, rel=1e-3)
+    assert left_of_recording(fit, 1) is None
+    assert stretch_words(first, fit, [recording]) == "sweep"
+    assert stretch_words(second, several, [recording]) == "sweep, where it is worst, 0 to 20 s"
+
+
+def test_a_prediction_that_is_nearer_does_not_make_what_is_simulated_so(fit):
+    """What a fit is judged by may be how it predicts; what is said is how its simulation comes out."""
+    (part,) = fit.segments
+    far = replace(part, simulated=part.simulated + 9.0 * part.noise, over_noise=1.0)
+    assert left_of_parts([far]).times == pytest.approx(np.sqrt(82.0), rel=0.02)
 
 
 def test_the_range_is_that_of_motion_and_force(fit, recording):

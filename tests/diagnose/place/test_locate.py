@@ -8,12 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dashpot.diagnose.place.locate import locate
+from dashpot.diagnose.result import RecordFit
 from dashpot.diagnose.wording import quantity, spoken
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.structure import Fitted, Structure
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Response
 
 
 def found(case):
@@ -114,13 +115,14 @@ def located(monkeypatch):
         ]
         data = SimpleNamespace(
             recordings=recordings,
-            segments=[SimpleNamespace(recording=i) for i in range(2)],
-            sensor=(NOISE, NOISE),
             scales=SimpleNamespace(length=SIZE, omega=PACE),
         )
         model = MODEL if values is None else Oscillator.from_values(TRUTH | values)
-        left = tuple(np.full(10, times * NOISE) for times in (30.0, 3.0))
-        return locate(Fitted(model, np.zeros((2, 2)), left, 0.0, ()), data)  # pyright: ignore[reportArgumentType]
+        records = [
+            RecordFit(name, False, times * NOISE, 0.0, NOISE, *[np.zeros(0)] * 4, None, Response())
+            for name, times in (("loud", 30.0), ("quiet", 3.0))
+        ]
+        return locate(Fitted(model, np.zeros((2, 2)), (), 0.0, ()), data, records)  # pyright: ignore[reportArgumentType]
 
     return locate_in
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from dashpot.diagnose.place.free_form import _slider
 from dashpot.diagnose.place.statement import how_far_off, in_which_recordings, what_it_follows
 from dashpot.diagnose.place.what_it_follows import symptoms, with_kind
-from dashpot.model import Oscillator
+from dashpot.diagnose.result import RecordFit
+from dashpot.model import Oscillator, Response
 
 MODEL = Oscillator.from_values(
     {"mass": 0.5, "omega0": 20 * np.pi, "cubic": 0.0, "preload": 0.0, "viscous": 1.5, "dry": 0.0}
@@ -285,23 +285,18 @@ def test_a_delay_is_confirmed_by_decays_without_it(stretch):
 # --- how far off
 
 
-def fit_of(*times):
-    """Recordings whose residual is so many times their noise."""
-    recordings = [SimpleNamespace(name=f"run{i}") for i in range(len(times))]
-    segments = [SimpleNamespace(recording=i) for i in range(len(times))]
-    data = SimpleNamespace(recordings=recordings, segments=segments, sensor=[2e-6] * len(times))
-    residuals = [np.full(9, factor * 2e-6) for factor in times]
-    return SimpleNamespace(residuals=residuals), data
-
-
 @pytest.mark.parametrize(
     ("times", "words"),
     [
         ((3.0, 12.0, 5.0), " (response off by up to 12 times the noise, in run1)"),
-        ((np.inf, 5.0), " (response off by up to 5 times the noise, in run1)"),
+        ((np.inf, 5.0), " (response off by up to 5.00 times the noise, in run1)"),
         ((12.34,), " (response off by up to 12 times the noise, in run0)"),
         ((np.nan,), ""),
     ],
 )
 def test_the_worst_recording_that_simulates_is_told(times, words):
-    assert how_far_off(*fit_of(*times)) == words
+    records = [
+        RecordFit(f"run{i}", False, factor * 2e-3, 0.0, 2e-3, *[np.zeros(0)] * 4, None, Response())
+        for i, factor in enumerate(times)
+    ]
+    assert how_far_off(records) == words

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.residual_test import Leftover, nearer, sentence
+from dashpot.model.fit_state import Left
 
 
 def left(ratio, *, motion=0.0, step=0.0, burst=None, short=False, file="run"):
@@ -24,8 +25,8 @@ def test_each_recording_is_told_once_the_worst_first():
         ]
     )
     assert said == (
-        "there remains 9 times the noise in a, growing with the motion; "
-        "7 times the noise in b, in step with the motion; 2 times the noise in c, in a burst at 12.35 s"
+        "there remains 9.00 times the noise in a, growing with the motion; "
+        "7.00 times the noise in b, in step with the motion; 2.00 times the noise in c, in a burst at 12.35 s"
     )
 
 
@@ -46,9 +47,23 @@ def test_of_several_stretches_of_a_recording_the_worst_is_told_with_its_time():
         replace(left(2.0, step=0.4, file="other"), part=0.01, span=(0.0, 8.0)),
     ]
     assert sentence(several) == (
-        "there remains 2.5 % of the motion (9 times the noise) in run, where it is worst, 8 to 8.512 s, in step with "
-        "the motion; 1 % of the motion (2 times the noise) in other, in step with the motion"
+        "there remains 2.5 % of the motion (9.00 times the noise) in run, where it is worst, 8 to 8.512 s, in step "
+        "with the motion; 1 % of the motion (2.00 times the noise) in other, in step with the motion"
     )
+
+
+def test_of_a_recording_in_one_stretch_the_figures_are_those_of_the_table():
+    """The search's own fit may have left a little more or less than what is delivered."""
+    one = [replace(left(9.0, step=0.4), part=0.025, span=(0.0, 8.0))]
+    assert "2.4 % of the motion (8.50 times the noise) in run, in step" in str(sentence(one, table(0.024, 8.5)))
+    several = [*one, replace(left(2.0, step=0.4), part=0.004, span=(8.0, 9.0))]
+    for stretches, times in ((several, 8.5), (one, 1.05)):  # what is no more than noise does not remain
+        said = str(sentence(stretches, table(0.024, times)))
+        assert "2.5 % of the motion (9.00 times the noise) in run, where it is worst, 0 to 8 s" in said
+
+
+def table(part, times):
+    return {"run": Left("run", part, times)}
 
 
 def test_more_than_three_recordings_are_counted():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.search.measure import NEAR, Measure
 from dashpot.diagnose.search.race import PATIENCE, Entry, Start, race, started
-from dashpot.diagnose.search.residual_test import times_the_noise
+from dashpot.diagnose.search.residual_test import times_of_each
 from dashpot.identify.problem.structure import shapes_of
 from dashpot.identify.signals.odds import DECISIVE
 from dashpot.identify.start.measured_motion import probes
@@ -18,7 +18,7 @@ from dashpot.model.terms import with_term
 
 
 def times(start):
-    return max(times_the_noise(start.fitted.residuals, start.model, start.data))
+    return max(times_of_each(start.fitted.residuals, start.model, start.data))
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.identify.fit import climb as module
-from dashpot.identify.fit.climb import Climb, _climbed, best_climb, from_near, nrmse_of
+from dashpot.identify.fit.climb import Climb, _climbed, best_climb, from_near
 from dashpot.identify.fit.from_prediction import Maxima
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.descent import search
@@ -220,13 +220,3 @@ def test_from_near_is_one_search(monkeypatch):
 def test_from_near_needs_a_simulation():
     problem, state, _ = problem_of(decay(), cubic=-1e12)
     assert from_near(problem, state) is None
-
-
-def test_the_part_of_a_motion_that_is_left():
-    motion = np.sin(2 * np.pi * np.arange(1000) / 50)
-    assert nrmse_of(np.full(1000, 0.3), 2.0 * motion + 7.0) == pytest.approx(0.3 / np.sqrt(2.0))
-    assert nrmse_of(motion, motion) == pytest.approx(1.0)
-    assert nrmse_of(motion, np.ones(1000)) == np.inf
-    assert nrmse_of(np.full(1000, np.nan), motion) == np.inf
-    assert nrmse_of(np.full(1000, np.inf), motion) == np.inf
-    assert nrmse_of(np.zeros(1000), motion) == 0.0
