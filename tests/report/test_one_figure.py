@@ -10,7 +10,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from dashpot.diagnose.result import Diagnosis
+from dashpot.diagnose.verdict import worst_of
+from dashpot.face.model import Diagnosis as FrontDoor
 from dashpot.face.model import Model
+from dashpot.face.simulation import along
+from dashpot.face.workflow import diagnosed as diagnosed_of
 from dashpot.face.workflow import page_of_diagnosis
 from dashpot.fleet.manifest import Entry
 from dashpot.fleet.outcome import Outcome
@@ -20,6 +25,7 @@ from dashpot.identify.hilbert import hilbert_files
 from dashpot.model.display import percent_text, times_text
 from dashpot.model.file import dumps, load
 from dashpot.model.fit_state import left_of
+from dashpot.model.left import over
 from dashpot.model.show import as_json, describe
 from dashpot.recording import Recording
 from dashpot.report.comparison import comparisons
@@ -122,3 +128,47 @@ def test_a_probability_has_the_nines_that_its_odds_are_worth():
     assert probability_text(1.0) == "50 %"
     assert probability_text(999.0) == "99.9 %"
     assert probability_text(float("inf")) == "more than 99.9999 %"
+
+
+@cache
+def diagnosed() -> Diagnosis:
+    found = dragged()
+    return diagnosed_of(found.oscillator, found.recordings, (), seconds=20.0)[0]
+
+
+def test_a_diagnosis_has_the_same_figures_in_sentence_page_terminal_python_and_json():
+    """Each recording's figures are one pair, before and after, whoever says them."""
+    diagnosis = diagnosed()
+    worst = worst_of(diagnosis.records)
+    told = diagnosis.as_json()["fit"]
+    (row,) = [r for r in (*told["train"], *told["holdout"]) if r["file"] == worst.file]
+    for left, key in ((worst.left_before, "nrmse_before"), (worst.left_after, "nrmse_after")):
+        assert (left.part, left.noise) == (row[key], pytest.approx(row["noise_floor"]))
+        assert left.times == pytest.approx(row[key] / row["noise_floor"])
+    before, after = (percent_text(100 * left.part) for left in (worst.left_before, worst.left_after))
+    assert f"falls from {before.removesuffix(' %')} to {after} of the motion in {worst.file}" in diagnosis.sentence
+    page = re.sub(
+        r"<[^>]+>", " ", page_of_diagnosis(diagnosis, None).html.partition('<script type="application/json"')[0]
+    )
+    clause = (
+        f"the old model leaves {before} of the motion ({times_text(worst.left_before.times)} times the noise), the new "
+        f"one {after} of the motion ({times_text(worst.left_after.times)} times the noise)"
+    )
+    for said in (page, repr(FrontDoor(diagnosis))):
+        assert clause in " ".join(said.split())
+    known = {times_text(left.times) for r in diagnosis.records for left in (r.left_before, r.left_after)}
+    assert diagnosis.location is not None
+    (off,) = re.findall(r"off by up to ([\d.]+) times the noise", diagnosis.location.statement)
+    assert off in known
+
+
+def test_a_simulation_and_a_verification_have_the_figure_of_the_model_file(tmp_path):
+    """Of a decay that is one stretch from its first sample to its last they are of the same samples."""
+    found = dragged()
+    (left,), (decay,) = left_of(found.oscillator), found.recordings
+    simulated = along(found.oscillator, [decay])
+    assert simulated.nrmse == pytest.approx(left.part, rel=0.02)
+    checked = Model(found.oscillator).verify(decay)
+    (check,) = checked.recordings
+    assert check.nrmse == checked.as_json()["recordings"][0]["nrmse"] == pytest.approx(left.part, rel=0.02)
+    assert over(check.nrmse, check.noise_floor) == pytest.approx(left.times, rel=0.05)
