@@ -12,6 +12,7 @@ from ..model import Oscillator
 from ..model.fit_state import left_of, left_over
 from .estimates import Estimates, laws_of, side_by_side
 from .moved import Moved, joined, what_moved
+from .quantities import Quantity, quantities
 from .repeatability import KNOWN, Repeatability, learnt_from, stated_errors
 
 
@@ -57,6 +58,7 @@ class Comparison:
         moved: the fewest parameters that explain the difference; see there.
         explained: value and error of each of them in both, given that nothing else moved.
         change_errors: the standard error of each of these changes.
+        machine: what each parameter is to the machine, in the first and in the second.
         repeatability: that it was judged by.
         appeared, vanished: laws.
         notes: what a user should know.
@@ -68,6 +70,7 @@ class Comparison:
     moved: Moved
     explained: dict[str, tuple[tuple[float, float], tuple[float, float]]]
     change_errors: dict[str, float]
+    machine: dict[str, Quantity]
     repeatability: Repeatability
     appeared: tuple[str, ...]
     vanished: tuple[str, ...]
@@ -113,6 +116,10 @@ def compare(
         for j, name in enumerate(estimates.names)
         if name in moved.best.moved
     }
+    masses = None
+    if "mass" in estimates.names:
+        j = estimates.names.index("mass")
+        masses = [float(moved.values[c, j] * scale[j]) for c in (0, 1)]
     one, other = laws_of(first), laws_of(second)
     return Comparison(
         first=first.name,
@@ -124,6 +131,7 @@ def compare(
             for j, name in enumerate(estimates.names)
             if name in moved.best.moved
         },
+        machine=quantities([first, second], masses),
         explained=explained,  # pyright: ignore[reportArgumentType]
         repeatability=known,
         appeared=tuple(law for law in other if law not in one),

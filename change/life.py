@@ -9,11 +9,13 @@ from itertools import pairwise
 import numpy as np
 
 from ..errors import BadInput
+from ..files.computed_once import computed_once
 from ..identify.signals.odds import BY_CHANCE
 from ..model import Oscillator
 from .comparison import remarks, trusted
 from .estimates import Estimates, laws_of, of_first, side_by_side
 from .moved import Moved
+from .quantities import Quantity, quantities
 from .repeatability import Repeatability, learnt_from
 from .steps import Step
 from .stretches import Found, judged, leaps, neighbours
@@ -87,6 +89,12 @@ class Life:
     def differs(self) -> bool:
         """Whether the states differ by more than chance, whatever moved."""
         return self.moved is not None and self.moved.nothing.chance <= BY_CHANCE
+
+    @computed_once
+    def machine(self) -> dict[str, Quantity]:
+        """What each parameter is to the machine, in each state."""
+        masses = [float(m) for m in self.values("mass")[0]] if "mass" in self.estimates.names else None
+        return quantities([self.points[group[0]].model for group in self.groups], masses)
 
     def label(self, state: int) -> str:
         """What a state is called: its own name, or that of its point."""

@@ -8,6 +8,7 @@ from typing import Any
 from ..model.parameter import Parameter
 from ..model.show import value_and_error
 from .life import Life
+from .quantities import Change, Quantity
 from .wording import percent_change, spoken, verdict
 
 _MOST = 8  # steps that are listed one by one
@@ -19,21 +20,23 @@ def sentences(life: Life) -> list[str]:
         return ["One state: nothing to compare it with."]
     parts = [f"{verdict(life.moved, differs=life.differs)}."]
     for name in life.moved.best.moved:
-        unit = life.estimates.units[life.estimates.names.index(name)]
+        quantity = _quantity(life, name)
         steps = [step for step in life.steps if step.parameter == name]
         if name in life.drifts:
-            slope, error = life.drifts[name]
-            parts.append(f"{name} drifts by {slope:.3g} ± {error:.2g} {unit} from state to state, in a straight line.")
+            slope, error = (quantity.factors[0] * value for value in life.drifts[name])
+            size = f"{slope:.3g} ± {error:.2g} {quantity.unit}"
+            parts.append(f"{quantity.name} drifts by {size} from state to state, in a straight line.")
             continue
         if not steps:
             parts.append(f"{name}: no single step stands out.")
         for step in steps[:_MOST]:
-            share = percent_change(step.before, step.after)
+            change = Change.of(quantity, step.state - 1, step.state, step.before, step.after)
+            share = percent_change(change.before, change.after)
             size = abs(step.after - step.before) / step.error if step.error > 0 else math.inf
             much = f"{share}{', ' if share else ''}{size:.3g} of its errors"
             parts.append(
-                f"{name} changes between {life.label(step.state - 1)} and {life.label(step.state)}: from "
-                f"{step.before:.5g} to {step.after:.5g} {unit} ({much})."
+                f"{name} changes between {life.label(step.state - 1)} and {life.label(step.state)}: {change.words} "
+                f"({much})."
             )
         if len(steps) > _MOST:
             parts.append(f"{name}: and {len(steps) - _MOST} more steps.")
@@ -42,6 +45,12 @@ def sentences(life: Life) -> list[str]:
             if laws:
                 parts.append(f"{spoken(laws)} {words} at {life.label(state)}.")
     return parts
+
+
+def _quantity(life: Life, name: str) -> Quantity:
+    """A parameter as the machine has it; itself where it is no other there."""
+    unit = life.estimates.units[life.estimates.names.index(name)]
+    return life.machine.get(name) or Quantity(name, unit, (1.0,) * len(life.groups))
 
 
 def repeatability_words(life: Life) -> str:
@@ -115,6 +124,9 @@ def as_json(life: Life) -> dict[str, Any]:
             {
                 **{"parameter": step.parameter, "after": life.label(step.state - 1), "at": life.label(step.state)},
                 **{"from": step.before, "to": step.after, "std": step.error},
+                "machine": Change.of(
+                    _quantity(life, step.parameter), step.state - 1, step.state, step.before, step.after
+                ).as_json(),
             }
             for step in life.steps
         ],

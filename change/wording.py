@@ -8,6 +8,7 @@ from typing import Any
 
 from .comparison import Comparison
 from .moved import Hypothesis, Moved
+from .quantities import Change, Quantity
 
 
 def spoken(words: Sequence[str], last: str = "and") -> str:
@@ -45,12 +46,12 @@ def sentence(comparison: Comparison) -> str:
     parts = []
     units = {shift.name: shift.unit for shift in comparison.shifts}
     for name, (first, second) in comparison.explained.items():
-        share = percent_change(first[0], second[0])
         error = comparison.change_errors[name]
         size = f", {abs(second[0] - first[0]) / error:.3g} of its errors" if error > 0 else ""
-        parts.append(
-            f"{name} from {first[0]:.5g} to {second[0]:.5g} {units[name]}{f' ({share}{size})' if share else ''}"
-        )
+        own = Quantity(name, units[name], (1.0, 1.0))
+        change = Change.of(comparison.machine.get(name, own), 0, 1, first[0], second[0])
+        share = percent_change(change.before, change.after)
+        parts.append(f"{change.words}{f' ({share}{size})' if share else ''}")
     said = verdict(comparison.moved, differs=comparison.differs)
     text = f"{said}{': ' if parts else ''}{'; '.join(parts)}."
     for words, laws in (("appeared", comparison.appeared), ("vanished", comparison.vanished)):
@@ -109,6 +110,11 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
         "explained": {
             name: [{"value": value, "std": error} for value, error in pair]
             for name, pair in comparison.explained.items()
+        },
+        "machine": {
+            name: Change.of(comparison.machine[name], 0, 1, first, second).as_json()
+            for name, ((first, _), (second, _)) in comparison.explained.items()
+            if name in comparison.machine
         },
         "chance_of_nothing_moved": comparison.moved.nothing.chance,
         "chance_of_what_is_left": comparison.moved.best.chance,

@@ -15,6 +15,7 @@ from ..identify.signals.registry import shown
 from ..model import Oscillator, Parameter, Response
 from ..model.fit_state import Left
 from ..model.left import over
+from ..model.physical import law_strengths
 from ..recording.recording import Recording
 from ..simulate.work import Work
 
@@ -239,6 +240,11 @@ class Diagnosis:
         """Whether ``model`` has laws that the given family lacks, named or not."""
         return self.verdict == "missing-physics"
 
+    def of_machine(self, effect: Effect) -> dict[str, Parameter]:
+        """The strengths of an effect's law in the machine's units, by parameter; none where the mass is not known."""
+        known = law_strengths(self.model)
+        return {name: known[key] for name in effect.parameters if (key := f"{effect.law}.{name}") in known}
+
     def parameter_shift(self) -> dict[str, dict[str, float | None]]:
         """How far each parameter had been bent by what was missing; ``std`` is the mended model's."""
         after = self.model.parameters()
@@ -261,6 +267,9 @@ class Diagnosis:
                     "path": e.path,
                     "parameters": {
                         name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in e.parameters.items()
+                    },
+                    "machine": {
+                        name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in self.of_machine(e).items()
                     },
                     "indistinguishable_from": list(e.indistinguishable_from),
                     "separated_by": e.separated_by,

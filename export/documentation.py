@@ -10,6 +10,7 @@ from .. import __version__
 from ..model.display import full_stop, number, percent_text, pretty_unit, scale_of, typeset, value_text
 from ..model.laws import BASE
 from ..model.oscillator import HOLDS
+from ..model.physical import machine, machine_words
 from ..model.show import percent, strong_correlations
 from ..model.show import warnings as model_warnings
 from .curves import curves, pictures, table
@@ -49,6 +50,8 @@ def documentation(facts: Facts, description: Description, hold: str) -> str:
         hold=hold,
         starts=_starts(description),
         parameters=_parameters(oscillator),
+        machine=_machine(oscillator),
+        over=oscillator.over_what_drives,
         correlations=", ".join(
             f"{first} and {second} (correlation {typeset(f'{value:+.2f}')})"
             for first, second, value in strong_correlations(oscillator)
@@ -111,6 +114,20 @@ def _parameters(o: Oscillator) -> list[tuple[str, ...]]:
             meaning += f" ({number(p.value / (2 * math.pi), 6)} Hz)"
         rows.append((name, *value_text(p), percent_text(percent(p)), pretty_unit(p.unit), meaning))
     return rows
+
+
+def _machine(o: Oscillator) -> list[tuple[str, ...]]:
+    words = machine_words(o)
+    return [
+        (
+            name,
+            *value_text(p),
+            percent_text(percent(p)),
+            "" if p.unit == "1" else pretty_unit(p.unit),
+            plain_text(words[name]),
+        )
+        for name, p in machine(o).items()
+    ]
 
 
 def _ranges(o: Oscillator) -> list[tuple[str, str, str, str]]:

@@ -18,6 +18,7 @@ from ..errors import BadInput
 from ..files.writing import together, write
 from ..model import units
 from ..model.equations import Equations
+from ..model.physical import in_machine_units
 from ..model.show import value_and_error
 from ..simulate.law_source import law_source
 from ..templates import template
@@ -152,6 +153,8 @@ def _words(oscillator: Oscillator, description: Description, eq: Equations) -> d
     """Everything in the header that a person reads."""
     outputs = [(v.name, v.unit, v.description) for v in description.variables if v.role == "output"]
     lines, words = about(oscillator, description), oscillator.descriptions()
+    for name, p in in_machine_units(oscillator).items():
+        words[name] += f"; times the mass {value_words(p)} {p.unit}"
     return {
         **c_words(description, eq, lines, oscillator.parameters(), words, outputs, units_of_states(description)),
         "thing": "oscillator",

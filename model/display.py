@@ -77,6 +77,13 @@ def value_text(parameter: Parameter) -> tuple[str, str]:
     return typeset(value), "∞" if error == "inf" else "" if error == "nan" else typeset(error)
 
 
+def quantity_text(parameter: Parameter) -> str:
+    """Value, standard error and unit: ``0.1500 ± 0.0021 N·s²/m²``."""
+    value, error = value_text(parameter)
+    unit = "" if parameter.unit == "1" else f" {pretty_unit(parameter.unit)}"
+    return f"{value}{f' ± {error}' if error else ''}{unit}"
+
+
 def full_stop(text: str) -> str:
     """``text`` as a sentence with its full stop; the first letter stays, as it may be a parameter's name."""
     text = text.strip()

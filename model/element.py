@@ -10,7 +10,6 @@ and the load cell; it may be none.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
@@ -21,6 +20,7 @@ from .dependence import Dependence, channels_of, in_order, own_unit, strength_at
 from .law import Law, LawParameter
 from .laws import BASE
 from .limits import plain_number
+from .machine_units import in_force, words_of_product
 from .oscillator import MASS_UNIT, Provenance, Range, Response, Term
 from .parameter import Parameter
 
@@ -57,13 +57,6 @@ _WORDS = {
     "dry": "dry friction",
     "load": "constant force",
 }
-
-
-def in_force(template: str) -> str:
-    """The unit template of a force's strength, from that per unit mass."""
-    exponents = Counter(units.factors(MASS_UNIT))
-    exponents.update(units.factors(template))
-    return units.render({symbol: power for symbol, power in exponents.items() if power})
 
 
 def template_of(parameter: LawParameter) -> str:
@@ -212,7 +205,7 @@ class Element:
         """What each parameter is, in words."""
         own = {f"{t.effect}.{p.name}": p.description for t in self.terms for p in t.law.parameters}
         ways = {d.name: d.form.words.format(channel=d.channel, of=d.of) for d in self.dependences if d.name}
-        return _WORDS | {name: text.replace(", per unit mass", "") for name, text in own.items()} | ways
+        return _WORDS | {name: words_of_product(text) for name, text in own.items()} | ways
 
     def bounds(self) -> dict[str, tuple[float, float]]:
         """Lower and upper bound of each parameter, in its unit; infinite where there is none."""

@@ -7,13 +7,13 @@ follow from the parameters and are none themselves, so that nothing is said twic
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from . import units
 from .fit_state import FOLLOWS, MostLeft, beyond
+from .machine_units import products, words_of_product
 from .parameter import Parameter
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ _RATIO_WORDS = "viscous damping over critical: viscous / (2 omega0)"
 
 
 def machine(oscillator: Oscillator) -> dict[str, Parameter]:
-    """Mass, springs, damping and friction as the machine has them, natural frequency and damping ratio, with errors.
+    """Mass, springs, damping, friction and laws as the machine has them, frequency and damping ratio, with errors.
 
     The standard errors are those of the parameters carried over to first order, with their covariance where the model
     has one. Without a mass (free decays alone) only natural frequency and damping ratio can be stated. What is zero and
@@ -93,7 +93,8 @@ def machine(oscillator: Oscillator) -> dict[str, Parameter]:
         error = _carried({key: slopes[key][name] for key in needs}, oscillator) if known else None
         found = templates[name] if templates[name] in ("Hz", "1") else units.compose(templates[name], unit, force)
         made[name] = Parameter(value, error, found)
-    return made | _amid(oscillator)
+    named = products(oscillator)
+    return made | {named[key].name: p for key, p in law_strengths(oscillator).items()} | _amid(oscillator)
 
 
 def law_strengths(oscillator: Oscillator) -> dict[str, Parameter]:
@@ -101,20 +102,20 @@ def law_strengths(oscillator: Oscillator) -> dict[str, Parameter]:
 
     None without a mass, nor of laws that are no force on it.
     """
-    if oscillator.mass is None:
-        return {}
-    unit, force, mass = oscillator.response.displacement_unit, oscillator.force_unit, oscillator.mass.value
-    made = {}
-    for term in oscillator.terms:
-        for of in term.law.parameters if term.law.force is not None else ():
-            p, name = term.parameters.get(of.name), f"{term.effect}.{of.name}"
-            if p is None or not of.strength:
-                continue
-            exponents = Counter(units.factors("Q.s2/X"))
-            exponents.update(units.factors(of.unit))
-            template = units.render({symbol: power for symbol, power in exponents.items() if power})
-            error = None if p.std is None else _carried({"mass": p.value, name: mass}, oscillator)
-            made[name] = Parameter(mass * p.value, error, units.compose(template, unit, force))
+    return {name: p for name, p in in_machine_units(oscillator).items() if "." in name}
+
+
+def in_machine_units(oscillator: Oscillator) -> dict[str, Parameter]:
+    """Each parameter that is per unit mass times the mass, by the parameter's name; see ``products``.
+
+    The standard errors hold that of the mass, with their covariance where the model has one.
+    """
+    made, parameters = {}, oscillator.parameters()
+    for name, product in products(oscillator).items():
+        p, mass = parameters[name], parameters["mass"]
+        known = p.std is not None or (p.value and mass.std is not None)
+        error = _carried({"mass": p.value, name: mass.value}, oscillator) if known else None
+        made[name] = Parameter(mass.value * p.value, error, product.unit)
     return made
 
 
@@ -174,6 +175,8 @@ def machine_words(oscillator: Oscillator) -> dict[str, str]:
     at = f"at {amid(oscillator) or 0.0:.3g} {oscillator.response.displacement_unit}, amid the recorded amplitudes"
     words = dict(zip(AMID, (f"natural frequency {at}", f"damping over critical {at}"), strict=True))
     words |= {name: text for name, _, text in QUANTITIES} | {_RATIO: _RATIO_WORDS}
+    known = oscillator.descriptions()
+    words |= {product.name: words_of_product(known[key]) for key, product in products(oscillator).items() if "." in key}
     return words | {"total_mass": "moving mass", "natural_frequency": "undamped natural frequency of the linear part"}
 
 

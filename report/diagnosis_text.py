@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ..diagnose.wording import effects_in_words
 from ..export.render import plain_text
-from ..model.display import full_stop, number, times_text, value_text
+from ..model.display import full_stop, number, quantity_text, times_text
 from ..model.effect_words import effect_in_words
 from .before_after import fit_sentence, ratio_to_floor
 from .diagnosis_page import VERDICTS, next_step, remarks
@@ -16,7 +16,7 @@ from .effects import BENT, shifts
 from .location import PATHS
 
 if TYPE_CHECKING:
-    from ..diagnose.result import Diagnosis, Effect, Experiment, RecordFit
+    from ..diagnose.result import Diagnosis, Effect, RecordFit
     from ..model import Parameter
 
 _WIDTH = 100
@@ -33,7 +33,7 @@ def describe(diagnosis: Diagnosis) -> str:
     if diagnosis.effects:
         lines += ["", "What is missing"]
         for effect in diagnosis.effects[:_EFFECTS]:
-            lines += _effect(effect, diagnosis.experiment)
+            lines += _effect(effect, diagnosis)
         if len(diagnosis.effects) > _EFFECTS:
             lines += _wrapped("and " + effects_in_words([e.law for e in diagnosis.effects[_EFFECTS:]]), "  ", 2)
     if diagnosis.location is not None and diagnosis.location.statement.strip():
@@ -68,12 +68,16 @@ def _wrapped(text: str, indent: str, most: int) -> list[str]:
     )
 
 
-def _effect(effect: Effect, plan: Experiment | None) -> list[str]:
+def _effect(effect: Effect, diagnosis: Diagnosis) -> list[str]:
+    plan, strengths = diagnosis.experiment, diagnosis.of_machine(effect)
     lines = _wrapped(effect_in_words(effect.law), "  ", 2)
     lines += _wrapped(f"{PATHS.get(effect.path, effect.path)} (path: {effect.path})", "    ", 1)
     names = list(effect.parameters)[:_PARAMETERS]
     width = max((len(name) for name in names), default=0)
-    lines += [f"    {name:<{width}}  {_value(effect.parameters[name])}" for name in names]
+    for name in names:
+        own = _value(effect.parameters[name])
+        both = f"{_value(strengths[name])}, or {own} per unit mass" if name in strengths else own
+        lines.append(f"    {name:<{width}}  {both}")
     if effect.indistinguishable_from:
         by = effect.separated_by
         if plan is not None and plan.sentence.strip():  # stands below
@@ -84,9 +88,7 @@ def _effect(effect: Effect, plan: Experiment | None) -> list[str]:
 
 
 def _value(parameter: Parameter) -> str:
-    value, error = value_text(parameter)
-    unit = "" if parameter.unit == "1" else f" {plain_text(parameter.unit)}"
-    return f"{value}{f' ± {error}' if error else ''}{unit}"
+    return plain_text(quantity_text(parameter))
 
 
 def _recordings(diagnosis: Diagnosis) -> list[str]:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from ..diagnose.result import SURE
 from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
-from ..model.display import full_stop, number, percent_text, pretty_unit, typeset, value_text
+from ..model.display import full_stop, number, percent_text, pretty_unit, quantity_text, typeset, value_text
 from ..model.effect_words import effect_in_words
 from ..model.library import find
-from ..model.physical import law_strengths
+from ..model.machine_units import words_of_product
+from ..model.show import percent
 from .blocks import Block, Cell, Section, Table, Text
 from .location import PATHS
 from .parameters import equation_blocks
@@ -42,7 +44,7 @@ def effects_section(diagnosis: Diagnosis) -> Section:
         return Section("What is missing", (Text(why.get(diagnosis.verdict, "No effect is named.")),))
     blocks: list[Block] = []
     for effect in diagnosis.effects:
-        blocks += effect_blocks(effect)
+        blocks += effect_blocks(effect, diagnosis.of_machine(effect))
     if not diagnosis.effects:
         blocks.append(Text("No effect is named: the strength of each law that was put in is zero within its error."))
     blocks.append(Text("The mended equation of motion, in letters and with its numbers:"))
@@ -51,15 +53,10 @@ def effects_section(diagnosis: Diagnosis) -> Section:
 
 def lead_table(diagnosis: Diagnosis) -> list[Table]:
     """What is missing at one glance: the effect, its strength in the machine's units, how probable it is."""
-    strengths = law_strengths(diagnosis.model)
     rows: list[tuple[str | Cell, ...]] = []
     for effect in diagnosis.effects:
-        sizes = []
-        for name, p in effect.parameters.items():
-            of_machine = strengths.get(f"{effect.law}.{name}")
-            value, error = value_text(of_machine or p)
-            unit = pretty_unit((of_machine or p).unit)
-            sizes.append(f"{name} {value}{f' ± {error}' if error else ''}{'' if unit == '1' else f' {unit}'}")
+        strengths = diagnosis.of_machine(effect)
+        sizes = [f"{name} {quantity_text(strengths.get(name, p))}" for name, p in effect.parameters.items()]
         rivals = effect.indistinguishable_from
         rival_words = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
         rows.append((effect_in_words(effect.law), ", ".join(sizes), probability_text(effect.odds), rival_words))
@@ -78,8 +75,8 @@ def probability_text(odds: float) -> str:
     return f"{100 - missing:.{digits}f} %"
 
 
-def effect_blocks(effect: Effect) -> list[Block]:
-    """What the effect is, in words, and its parameters."""
+def effect_blocks(effect: Effect, of_machine: Mapping[str, Parameter] = MappingProxyType({})) -> list[Block]:
+    """What the effect is, in words, and its parameters, as ``of_machine`` has them too."""
     law = _law(effect.law)
     rows: list[tuple[str | Cell, ...]] = []
     if law is None:
@@ -102,10 +99,12 @@ def effect_blocks(effect: Effect) -> list[Block]:
     rows.append(("Odds", _odds(effect)))
     words = {p.name: p.description for p in law.parameters} if law else {}
     numbers = []
-    for name, p in effect.parameters.items():
-        value, error = value_text(p)
-        share = 100 * p.std / abs(p.value) if p.std is not None and p.value else None
-        numbers.append((name, value, error, percent_text(share), pretty_unit(p.unit), words.get(name, "")))
+    for name, own in effect.parameters.items():
+        meaning = words.get(name, "")
+        both = [(of_machine[name], words_of_product(meaning))] if name in of_machine else []
+        for p, text in (*both, (own, meaning)):
+            value, error = value_text(p)
+            numbers.append((name, value, error, percent_text(percent(p)), pretty_unit(p.unit), text))
     head = ("Parameter", "Value", "± std error", "relative", "Unit", "Meaning")
     return [Table((_title(effect_in_words(effect.law)), ""), tuple(rows)), Table(head, tuple(numbers), (1, 2, 3))]
 

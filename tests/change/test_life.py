@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import re
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -14,6 +16,7 @@ from dashpot.change.life_wording import as_json, describe, sentences
 from dashpot.change.steps import drift_of, steps_of
 from dashpot.errors import BadInput
 from dashpot.identify import identify
+from dashpot.model import Oscillator
 from dashpot.recording import read
 
 DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).resolve().parents[3] / "shared" / "data"))
@@ -138,3 +141,28 @@ def test_of_a_frame_with_four_contact_loads_the_dry_friction_moved():
     values, errors = found.values("dry")
     ratio = values / np.array([250, 350, 450, 550])
     assert np.all(np.abs(ratio - ratio.mean()) < 3 * errors / 250 + 0.15 * ratio.mean())
+
+
+def test_a_friction_that_steps_is_told_in_newtons():
+    """The mass does not move, so that its value over the whole life is what the friction is a product with."""
+    random, names = np.random.default_rng(5), ("mass", "omega0", "viscous", "dry")
+    errors = np.array([1e-3, 0.01, 0.02, 0.004])
+    points = []
+    for i in range(14):
+        true = np.array([0.5, 80.0, 5.0, 0.3 if i < 8 else 0.44])
+        values = dict(zip(names, true + errors * random.standard_normal(4), strict=True))
+        model = Oscillator.from_values({"cubic": 0.0, "preload": 0.0} | values)
+        known = {name: replace(model.parameters()[name], std=float(e)) for name, e in zip(names, errors, strict=True)}
+        points.append(Point(f"t{i}", model.with_parameters(known)))
+    found = watch(points)
+    assert found.moved.best.moved == ("dry",)
+    said = " ".join(sentences(found))
+    before, after = map(
+        float, re.findall(r"dry changes between t7 and t8: friction from ([\d.]+) to ([\d.]+) N \(", said)[0]
+    )
+    assert before == pytest.approx(0.15, rel=0.02)
+    assert after == pytest.approx(0.22, rel=0.02)
+    (change,) = as_json(found)["changes"]
+    assert change["machine"]["quantity"] == "friction"
+    assert change["machine"]["to"] == pytest.approx(after, rel=1e-4)
+    assert change["to"] == pytest.approx(0.44, rel=0.02)

@@ -61,6 +61,7 @@ def test_what_is_named_bears_its_values_its_rivals_and_its_odds():
             "law": "quadratic-drag",
             "path": "dissipation",
             "parameters": {"coefficient": {"value": 2.0, "std": 0.1, "unit": "1/m"}},
+            "machine": {"coefficient": {"value": 0.54, "std": None, "unit": "N.s2/m2"}},
             "indistinguishable_from": ["cubic-damping"],
             "separated_by": "play it",
             "odds": 50.0,

@@ -294,13 +294,18 @@ def test_numbers_units_and_validity_stand_in_the_header(models):
     assert f"    {odd!r},\n" in source
     assert "    1e-300,\n" in source
     words = " ".join(header.replace("*", " ").split())
-    assert "volts_p_dry, / 0.3000 +/- 0.0020 V/s2: dry friction force per unit mass /" in words
+    assert "volts_p_dry, / 0.3000 +/- 0.0020 V/s2: dry friction force per unit mass; times the mass 0.08100 " in words
     assert "amplitude 0.0002 to 0.009 V and frequency 5 to 20 Hz" in words
     assert "Identified from sweep.csv by maximum-likelihood dashpot 0." in words
     assert "omega0^2 x + cubic x^3" in words
     assert "input F in N" in words
+    dragged = " ".join(plain_c(Facts(models["drag"]()), "rig.h")[1].split())
+    assert re.search(
+        r"p_quadratic_drag_coefficient, /\* \S+ 1/m: [a-z ]+ per unit mass; times the mass \S+ N.s2/m2 ", dragged
+    )
     free = plain_c(Facts(models["massless"]()), "rig.h")[1]
     assert "massless_p_mass" not in free
+    assert "times the mass" not in free
     assert "input is a force per unit mass" in " ".join(free.replace("*", " ").split())
 
 
