@@ -26,7 +26,7 @@ from ..fleet.manifest import Entry
 from ..fleet.outcome import Outcome
 from ..fleet.store import Busy, Store
 from . import batch_element
-from .row import page_or_why, parameters_of, picture_of
+from .row import curve_of, page_or_why, parameters_of, picture_of
 from .workflow import diagnosed, identified, page_of_diagnosis, read_all
 
 if TYPE_CHECKING:
@@ -189,6 +189,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
         sentence=_sentence(found, more),
         wanted=how["diagnose"] == "always" or (unfit and how["diagnose"] == "unfit"),
         parameters=parameters_of(model),
+        curve=curve_of(model),
         recordings=tuple(dict(r) for r in model.identified.recordings),
         model=MODEL,
         picture=picture,
@@ -237,6 +238,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
         verdict=found.verdict,
         effects=tuple(effect.effect for effect in found.effects),
         parameters=parameters_of(found.model) if found.mended else before.parameters,
+        curve=curve_of(found.model) if found.mended else before.curve,
         model=f"{DIAGNOSIS}/{MENDED}" if found.mended else before.model,
         page=before.page if page is None else f"{DIAGNOSIS}/{PAGE}",
         notes=tuple(dict.fromkeys([*before.notes, *found.notes, *without])),

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import BadInput
 from ..files.exit_codes import sentence
+from ..fleet.outcome import CURVE
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
 
 #: Parts of a picture of the motion.
 _PARTS = 60
+#: Points of a curve over the amplitude, and from which part of the largest on.
+_POINTS, _DECADES = 24, 100.0
 
 
 def page_or_why(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]:
@@ -38,6 +42,29 @@ def parameters_of(model: Oscillator | Element) -> dict[str, dict[str, Any]]:
         }
         for name, p in model.parameters().items()
     }
+
+
+def curve_of(model: Oscillator | Element) -> dict[str, Any]:
+    """Damping ratio over the amplitudes that the recordings covered, for an entry's result; nothing where unknown."""
+    from ..model.describing import natural_motion
+    from ..model.oscillator import Oscillator
+
+    if not isinstance(model, Oscillator) or model.amplitude is None:
+        return {}
+    top = model.amplitude.max
+    low = max(model.amplitude.min, top / _DECADES)
+    if not 0.0 < low < top < math.inf:
+        return {}
+    amplitude = np.geomspace(low, top, _POINTS)
+    try:
+        omega, h = natural_motion(model, amplitude)
+    except BadInput:
+        return {}
+    ratio = h / omega
+    known = np.isfinite(ratio)
+    columns = dict(zip(CURVE, (amplitude, ratio), strict=True))
+    rounded = {name: [float(f"{value:.6g}") for value in column[known]] for name, column in columns.items()}
+    return {"unit": model.amplitude.unit, **rounded} if known.any() else {}
 
 
 def picture_of(signal: np.ndarray, left: np.ndarray) -> tuple[tuple[float, ...], tuple[float, ...]]:

@@ -18,6 +18,8 @@ BELIEVED = ("good", "mended")
 #: What is tried again in the next run; the rest is tried again when its key changes.
 TRIED_AGAIN = ("killed", "timeout", "memory")
 FORMAT = "dashpot-entry/1"
+#: Rows of an entry's curve.
+CURVE = ("amplitude", "damping_ratio")
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,8 @@ class Outcome:
         recordings: what the model leaves of each, as in the model file.
         model, page: their files, below the entry's folder; None where there is none.
         verdict, effects: of the diagnosis.
+        curve: damping ratio over the amplitude, by ``CURVE``: as many numbers of each, in the ``unit`` of the first;
+            nothing where no range of amplitudes is known.
         picture: size of the motion over time, 0 to 1, and ``left``: of what the model leaves, in the same scale.
         notes: what a user should know.
         files: hash of each of the entry's other files by its name below the entry's folder.
@@ -56,6 +60,7 @@ class Outcome:
     page: str | None = None
     verdict: str | None = None
     effects: tuple[str, ...] = ()
+    curve: Mapping[str, Any] = field(default_factory=dict)
     picture: tuple[float, ...] = ()
     left: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
@@ -98,6 +103,7 @@ def _of_form(row: Outcome) -> bool:
         and all(_texts(texts) for texts in (row.effects, row.notes))
         and all(isinstance(numbers, tuple) and _numbers(numbers) for numbers in (row.picture, row.left))
         and _each(row.seconds, _is_number)
+        and _is_curve(row.curve)
         and _each(row.files, lambda value: isinstance(value, str))
         and _each(row.parameters, _is_parameter)
         and isinstance(row.recordings, tuple)
@@ -125,8 +131,17 @@ def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and math.isfinite(value)
 
 
-def _is_recording(row: Any) -> bool:
-    return _each(row, lambda _: True) and _numbers(map(row.get, ("nrmse", "over_noise")))
+def _is_curve(row: Any) -> bool:
+    if row == {}:
+        return True
+    if not isinstance(row, Mapping) or set(row) != {*CURVE, "unit"} or not isinstance(row["unit"], str):
+        return False
+    columns = [row[name] for name in CURVE]
+    return (
+        all(isinstance(column, list | tuple) and all(map(_is_number, column)) for column in columns)
+        and len(columns[0]) == len(columns[1]) > 0
+        and all(size > 0 for size in columns[0])
+    )
 
 
 def _is_parameter(row: Any) -> bool:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
-from ..model.display import number, percent_text, pretty_unit, times_text
+import numpy as np
+
+from ..model.display import number, percent_text, pretty_unit, scale_of, times_text
 from .blocks import Block, Cell, Page, Section, Table, Text
 from .sparkline import motion_sparkline, value_sparkline
 
@@ -45,6 +48,7 @@ def fleet_page(name: str, rows: Sequence[Row]) -> Page:
 
     believed = [row for row in rows if row.outcome.state in BELIEVED]
     others = [row for row in rows if row.outcome.state not in BELIEVED]
+    common = common_amplitude(row.outcome.curve for row in rows)
     summary = ", ".join(f"{count} {state}" for state, count in counts(rows).items())
     lead = Text(
         f"{len(believed)} of {len(rows)} rows are done and believed ({summary}).",
@@ -52,25 +56,29 @@ def fleet_page(name: str, rows: Sequence[Row]) -> Page:
         "✓ All believed." if not others else "▲ Look at these first.",
     )
     sections = [
-        Section("Not done, or not believed", _rows(others)),
-        Section("Done and believed", _rows(believed)),
+        Section("Not done, or not believed", _rows(others, common)),
+        Section("Done and believed", _rows(believed, common)),
         Section("Parameters over the fleet", _parameters(rows)),
         Section("What the results mean", _states(rows)),
     ]
     return Page(f"Fleet {name}", sections, lead=[lead], footer="All rows and all numbers: fleet.csv, fleet.json.")
 
 
-def _rows(rows: Sequence[Row]) -> tuple[Block, ...]:
+def _rows(rows: Sequence[Row], common: tuple[float, str] | None) -> tuple[Block, ...]:
     if not rows:
         return ()
-    head = ("Entry", "Result", "Motion", "Left", "f0", "Damping", "In words")
-    blocks: list[Block] = [Table(head, tuple(_row(row) for row in rows[:MOST_ROWS]), (3, 4, 5), cards=True)]
+    at = ""
+    if common is not None:
+        scale = scale_of(common[1], common[0])
+        at = f" at {number(common[0] * scale.factor)} {scale.unit}"
+    head = ("Entry", "Result", "Motion", "Left", "f0", f"Damping{at}", "In words")
+    blocks: list[Block] = [Table(head, tuple(_row(row, common) for row in rows[:MOST_ROWS]), (3, 4, 5), cards=True)]
     if len(rows) > MOST_ROWS:
         blocks.append(Text(f"And {len(rows) - MOST_ROWS} more rows, in fleet.csv."))
     return tuple(blocks)
 
 
-def _row(row: Row) -> tuple[str | Cell, ...]:
+def _row(row: Row, common: tuple[float, str] | None) -> tuple[str | Cell, ...]:
     outcome = row.outcome
     mark, tone, _ = _SHOWN[outcome.state]
     picture = motion_sparkline(outcome.picture, outcome.left, f"{row.entry.name}: motion, and what is left of it")
@@ -87,7 +95,7 @@ def _row(row: Row) -> tuple[str | Cell, ...]:
         Cell("", svg=picture),
         left,
         _f0(outcome.parameters),
-        _damping(outcome.parameters),
+        _damping(row, common),
         Cell(known if len(known) <= 400 else f"{known[:399]}…", "quiet"),
     )
 
@@ -103,10 +111,37 @@ def _f0(parameters: Any) -> str:
     return "" if value is None else f"{number(value / (2 * math.pi), 5)} Hz"
 
 
-def _damping(parameters: Any) -> str:
-    """The damping ratio of the viscous part, viscous / (2 omega0)."""
-    viscous, omega0 = _value(parameters, "viscous"), _value(parameters, "omega0")
-    return "" if viscous is None or not omega0 else percent_text(100 * viscous / (2 * omega0))
+def common_amplitude(curves: Iterable[Mapping[str, Any]]) -> tuple[float, str] | None:
+    """The largest amplitude that the recordings of as many entries as possible covered, and its unit; None of none.
+
+    Of several units the one that most entries have.
+    """
+    known = [curve for curve in curves if curve]
+    if not known:
+        return None
+    (unit, _), *_ = Counter(curve["unit"] for curve in known).most_common(1)
+    spans = [(min(c["amplitude"]), max(c["amplitude"])) for c in known if c["unit"] == unit]
+    return max(((high for _, high in spans)), key=lambda a: (sum(low <= a <= high for low, high in spans), a)), unit
+
+
+def damping_at(curve: Mapping[str, Any], amplitude: float, unit: str) -> float | None:
+    """Damping ratio at an amplitude; None where the recordings did not cover it."""
+    if not curve or curve["unit"] != unit:
+        return None
+    amplitudes = curve["amplitude"]
+    if not min(amplitudes) <= amplitude <= max(amplitudes):
+        return None
+    return float(np.interp(math.log(amplitude), np.log(amplitudes), curve["damping_ratio"]))
+
+
+def _damping(row: Row, common: tuple[float, str] | None) -> str | Cell:
+    """The damping ratio at the amplitude of all, of springs, friction and laws together."""
+    if common is None:
+        return ""
+    ratio = damping_at(row.outcome.curve, *common)
+    if ratio is not None:
+        return percent_text(100 * ratio)
+    return Cell("not covered", "quiet") if row.outcome.parameters else ""
 
 
 def _value(parameters: Any, name: str) -> float | None:

@@ -16,7 +16,9 @@ from dashpot.export.documentation import documentation
 from dashpot.export.facts import Facts
 from dashpot.model import Oscillator, Parameter, Provenance, Range, Response
 from dashpot.model.backbone import damping_curve
+from dashpot.model.display import value_text
 from dashpot.model.laws import LIBRARY
+from dashpot.model.physical import law_strengths
 
 SHA = "0123456789abcdef" * 4
 SVG = "{http://www.w3.org/2000/svg}"
@@ -232,3 +234,16 @@ def test_a_recorded_velocity_has_its_curves_over_the_displacement(models):
     model = replace(models["velocity"](), amplitude=Range(2e-4, 9e-3, "m"))
     assert model.response == Response("velocity", "m/s")
     assert "Amplitude [mm]" in page(model)
+
+
+def test_friction_and_drag_stand_there_in_the_machine_s_units(models):
+    model = models["drag"]().with_parameters(
+        {"mass": Parameter(0.27, 3e-4, "kg"), "dry": Parameter(0.15, 0.01, "m/s2")}
+    )
+    said = words(page(model))
+    assert "As the machine has it" in said
+    # the errors of mass and friction, 0.11 and 6.7 %
+    assert "friction 0.0405 0.0027 6.7 % N dry friction: mass dry" in said
+    strength = law_strengths(model)["quadratic-drag.coefficient"]
+    assert f"quadratic-drag.coefficient {value_text(strength)[0]} " in said.partition("As the machine has it")[2]
+    assert "N·s²/m² quadratic drag" in said

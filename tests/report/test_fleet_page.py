@@ -10,11 +10,13 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from dashpot.change import Point, watch
+from dashpot.face.row import curve_of
 from dashpot.fleet.manifest import Entry
 from dashpot.fleet.outcome import STATES, Outcome
 from dashpot.fleet.table import Row, as_json, csv_text
-from dashpot.model import Oscillator, Provenance
-from dashpot.report.fleet_page import MOST_ROWS, fleet_page
+from dashpot.model import Oscillator, Provenance, Range
+from dashpot.model.element import Element
+from dashpot.report.fleet_page import MOST_ROWS, common_amplitude, fleet_page
 from dashpot.report.life_page import life_page
 from dashpot.report.sparkline import motion_sparkline, value_sparkline
 
@@ -46,6 +48,43 @@ def test_every_state_has_its_row_its_words_and_its_link():
     assert page.count("12.669 Hz") == len(STATES)
     assert page.count("<polygon") == 2 * len(STATES)
     assert page.index("rig-doubtful") < page.index("rig-good")  # what is not believed comes first
+
+
+def curve(low, high, unit="m", power=0.0):
+    amplitude = np.geomspace(low, high, 9)
+    ratio = 0.02 * (amplitude / 1e-3) ** power
+    return {"unit": unit, "amplitude": amplitude.tolist(), "damping_ratio": ratio.tolist()}
+
+
+def test_damping_is_told_at_the_largest_amplitude_that_most_recordings_covered():
+    """Friction makes the damping of a small motion large, so that two rigs compare at one amplitude alone."""
+    rows = [
+        row("far", curve=curve(1e-4, 8e-3, power=-1.0)),
+        *[row(name, curve=curve(1e-4, 2e-3)) for name in ("near", "near as well")],
+        row("elsewhere", curve=curve(4e-3, 6e-3)),
+        row("turns", curve=curve(1e-4, 2e-3, "rad")),
+        row("old"),
+    ]
+    assert common_amplitude(one.outcome.curve for one in rows) == (2e-3, "m")
+    page = fleet_page("fleet.yaml", rows).html
+    assert "Damping at 2 mm" in page
+    told = {a.text: tr[5].text for tr in well_formed(page).iter("tr") for a in tr[0].iter("a")}
+    assert told["near"] == "2 %"
+    assert told["far"] == "1 %"
+    assert {told[name] for name in ("elsewhere", "turns", "old")} == {"not covered"}
+    assert common_amplitude([{}, {}]) is None
+
+
+def test_the_curve_of_a_model_has_all_that_damps():
+    """Viscous damping and friction: h = viscous / 2 + 2 dry / (pi omega A), over omega."""
+    values = {"mass": 0.5, "omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 4.0, "dry": 0.3}
+    model = replace(Oscillator.from_values(values), amplitude=Range(1e-5, 5e-3, "m"))
+    found = curve_of(model)
+    amplitude = np.array(found["amplitude"])
+    assert (amplitude[0], amplitude[-1]) == pytest.approx((5e-5, 5e-3))
+    expected = (2.0 + 2 * 0.3 / (np.pi * 80.0 * amplitude)) / 80.0
+    assert found["damping_ratio"] == pytest.approx(expected, rel=1e-3)
+    assert curve_of(replace(model, amplitude=None)) == curve_of(Element.from_values({})) == {}
 
 
 def test_a_nasty_name_is_harmless():

@@ -133,7 +133,7 @@ def test_a_probability_has_the_nines_that_its_odds_are_worth():
 @cache
 def diagnosed() -> Diagnosis:
     found = dragged()
-    return diagnosed_of(found.oscillator, found.recordings, (), seconds=20.0)[0]
+    return diagnosed_of(found.oscillator, found.recordings, ())[0]
 
 
 def test_a_diagnosis_has_the_same_figures_in_sentence_page_terminal_python_and_json():
