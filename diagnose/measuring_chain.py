@@ -9,12 +9,12 @@ import numpy as np
 from ..identify.fit.hold import hold_note
 from ..identify.problem.offset import FoundOffset
 from ..identify.signals.odds import BEYOND_ERRORS
+from ..identify.signals.said import said
 from ..identify.signals.signals import response_of
 from ..model import Oscillator
 from ..model.oscillator import HOLDS
 from ..recording.recording import Recording
 from .result import ChainFact
-from .wording import quantity
 
 
 def hold_of(hold: str, *, found: bool) -> ChainFact:
@@ -46,7 +46,8 @@ def drifts_and_loads(recordings: Sequence[Recording], offsets: Sequence[FoundOff
             facts.append(_drift(recording, offset.value))
         elif offset.channel == "force":
             unit = recording.force_unit
-            sentence = f"{recording.name}: its load cell shows {quantity(offset.value, unit)} at zero; taken off"
+            shown = said(recording, offset.value, force=True)
+            sentence = f"{recording.name}: its load cell shows {shown} at zero; taken off"
             facts.append(ChainFact("force-offset", recording.name, offset.value, unit, sentence))
     return facts
 
@@ -59,7 +60,7 @@ def drifts(recordings: Sequence[Recording], rates: Mapping[int, float]) -> list[
 
 def _drift(recording: Recording, rate: float) -> ChainFact:
     unit = f"{recording.unit}/s"
-    sentence = f"{recording.name}: its sensor drifts by {quantity(rate, unit)}; taken off"
+    sentence = f"{recording.name}: its sensor drifts by {said(recording, rate, per='/s')}; taken off"
     return ChainFact("drift", recording.name, rate, unit, sentence)
 
 
@@ -74,7 +75,7 @@ def zeros(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[C
     for index, value in shown.items():
         recording = recordings[index]
         if abs(value) > response_of(recording).noise:
-            sentence = f"{recording.name}: its sensor shows {quantity(value, recording.unit)} at zero; taken off"
+            sentence = f"{recording.name}: its sensor shows {said(recording, value)} at zero; taken off"
             facts.append(ChainFact("offset", recording.name, value, recording.unit, sentence))
     return facts
 

@@ -63,6 +63,8 @@ def with_provenance(
     for file, kind in zip(files, kinds, strict=False):
         file["kind"] = kind
     for index, file in enumerate(files):
+        of_file = recordings[index].recorded_unit
+        file |= {"unit": of_file} if of_file not in ("", recordings[index].unit) else {}
         left = left_of_recording(fit, index)
         file |= {} if left is None else left.as_json()
         if index in faults:

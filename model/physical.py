@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from . import units
+from .as_recorded import as_recorded
 from .fit_state import FOLLOWS, MostLeft, beyond
 from .machine_units import products, words_of_product
 from .parameter import Parameter
@@ -172,7 +173,8 @@ _FEELER = 1e-2
 
 def machine_words(oscillator: Oscillator) -> dict[str, str]:
     """What each quantity of ``machine`` is."""
-    at = f"at {amid(oscillator) or 0.0:.3g} {oscillator.response.displacement_unit}, amid the recorded amplitudes"
+    value, unit = as_recorded(oscillator, amid(oscillator) or 0.0, oscillator.response.displacement_unit)
+    at = f"at {value:.3g} {unit}, amid the recorded amplitudes"
     words = dict(zip(AMID, (f"natural frequency {at}", f"damping over critical {at}"), strict=True))
     words |= {name: text for name, _, text in QUANTITIES} | {_RATIO: _RATIO_WORDS}
     known = oscillator.descriptions()

@@ -12,7 +12,14 @@ from . import units
 _SAID = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 _PREFIXES = {"n": 1e-9, "u": 1e-6, "m": 1e-3, "c": 1e-2, "k": 1e3, "M": 1e6}
 #: Symbols of a person's that are no symbol of the model file's with a prefix.
-_OTHERS = {"g": (1e-3, "kg"), "deg": (math.pi / 180.0, "rad"), "um": (1e-6, "m")}
+_OTHERS = {
+    "g": (1e-3, "kg"),
+    "deg": (math.pi / 180.0, "rad"),
+    "um": (1e-6, "m"),
+    "in": (0.0254, "m"),
+    "ft": (0.3048, "m"),
+    "mil": (2.54e-5, "m"),
+}
 _PLAIN = str.maketrans({"µ": "u", "μ": "u", "·": ".", "*": ".", "^": "", "²": "2", "³": "3", "⁵": "5", "−": "-"})
 
 

@@ -94,6 +94,7 @@ class RecordingForm(Form):
     file: _FilePath
     sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
     kind: _Words | None = None
+    unit: _RecordedUnit | None = None
     nrmse: Annotated[float, Field(ge=0)] | None = None
     over_noise: Annotated[float, Field(ge=0)] | None = None
     fault: _Sentence | None = None

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from .as_recorded import as_recorded, parameter_as_recorded
 from .fit_state import faults_of_recordings, left_over, state_of_fit
 from .oscillator import HOLDS
 from .physical import machine, machine_words
@@ -162,18 +163,17 @@ def _negative(o: Oscillator, name: str, p: Parameter) -> str | None:
 
 def _softening(o: Oscillator) -> str:
     """Where a softening spring stops pulling back harder, and where it lets go: x² = omega0² / (3|c|) and / |c|."""
-    unit = o.response.displacement_unit
     top = o.omega0.value / math.sqrt(3 * -o.cubic.value)
     cubic = o.cubic
     if cubic.std and cubic.value > -2 * cubic.std:
         return (
             "cubic is negative but within two standard errors of zero: these recordings may hold none of it, and "
-            f"a simulation beyond {top * math.sqrt(3):.3g} {unit} does not come back; fix it (--fix cubic=0) to go on."
+            f"a simulation beyond {_length(o, top * math.sqrt(3))} does not come back; fix it (--fix cubic=0) to go on."
         )
-    reach = "" if o.amplitude is None else f"; the recordings reach {o.amplitude.max:.3g} {o.amplitude.unit}"
+    reach = "" if o.amplitude is None else f"; the recordings reach {_length(o, o.amplitude.max)}"
     return (
-        f"cubic is negative: the spring's force falls beyond {top:.3g} {unit} and no longer pulls back beyond "
-        f"{top * math.sqrt(3):.3g} {unit}{reach}. A simulation that goes there does not come back."
+        f"cubic is negative: the spring's force falls beyond {_length(o, top)} and no longer pulls back beyond "
+        f"{_length(o, top * math.sqrt(3))}{reach}. A simulation that goes there does not come back."
     )
 
 
@@ -185,7 +185,7 @@ def parameter_cells(o: Oscillator) -> list[tuple[str, ...]]:
     """A row a parameter: name, value, error, percent, unit, meaning."""
     words = o.descriptions()
     cells = [
-        (name, value, f"± {error}" if error else "", _percent_text(p), p.unit, words[name] + _in_hertz(name, p))
+        (name, value, f"± {error}" if error else "", _percent_text(p), p.unit, words[name] + _besides(o, name, p))
         for name, p in o.parameters().items()
         for value, error in [value_and_error(p)]
     ]
@@ -237,16 +237,34 @@ def _percent_text(p: Parameter) -> str:
     return "" if share is None else f"({share:.2g} %)" if share < 99.5 else f"({share:.0f} %)"
 
 
-def _in_hertz(name: str, p: Parameter) -> str:
-    return f", {p.value / (2 * math.pi):.6g} Hz" if name == "omega0" else ""
+def _besides(o: Oscillator, name: str, p: Parameter) -> str:
+    """A frequency in Hz, a length of a law in the unit as recorded."""
+    if name == "omega0":
+        return f", {p.value / (2 * math.pi):.6g} Hz"
+    return f", {in_words}" if "." in name and (in_words := recorded_words(o, p)) else ""
+
+
+def recorded_words(o: Oscillator, parameter: Parameter) -> str:
+    """A length, speed or acceleration in the unit as recorded: ``1.200 ± 0.010 mm``; empty where that is its own."""
+    shown = parameter_as_recorded(o, parameter)
+    if shown.unit == parameter.unit:
+        return ""
+    value, error = value_and_error(shown)
+    return f"{value}{f' ± {error}' if error else ''} {shown.unit}"
+
+
+def _length(o: Oscillator, value: float) -> str:
+    """A displacement in the unit as recorded, to three digits."""
+    shown, unit = as_recorded(o, value, o.response.displacement_unit)
+    return f"{shown:.3g} {unit}"
 
 
 def _validity(o: Oscillator) -> list[str]:
-    ranges = [
-        f"  {name:<10} {r.min:.4g} to {r.max:.4g} {r.unit}"
-        for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
-        if r is not None
-    ]
+    ranges = []
+    for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency)):
+        if r is not None:
+            (low, unit), (high, _) = (as_recorded(o, value, r.unit) for value in (r.min, r.max))
+            ranges.append(f"  {name:<10} {low:.4g} to {high:.4g} {unit}")
     force = [] if o.mass is None else [f"  force      {HOLDS[o.hold]} (hold: {o.hold})"]
     return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}", *force]
 

@@ -12,7 +12,9 @@ from .recording import Recording
 T = TypeVar("T")
 
 #: Fields of a recording that no signal follows from.
-_WORDS = frozenset({"notes", "sha256", "hold", "differs", "base", "prescribed", "channels"})
+_WORDS = frozenset(
+    {"notes", "sha256", "hold", "differs", "base", "prescribed", "channels"} | {"recorded_unit", "recorded_force_unit"}
+)
 _ALL = frozenset(field.name for field in fields(Recording)) - _WORDS
 
 

@@ -242,6 +242,8 @@ def _recording(
         quantity=quantity,
         unit=unit.si,
         force_unit=force_unit.si if force_unit else "N",
+        recorded_unit=unit.text,
+        recorded_force_unit=force_unit.text if force_unit else "",
         start=sampling.start,
         sha256=sha256,
         notes=(*notes, *sampling.notes, *whole.notes),

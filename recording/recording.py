@@ -46,6 +46,7 @@ class Recording:
     drives one mass, "part" where what is recorded takes part in that by another factor, as a mode of a beam does. It is
     "spring" or "damper" where the base moves one end of such, the response is over the ground, and the force is the
     base's displacement or velocity. `prescribed` is set where the response was imposed and the force is what that took.
+    `recorded_unit` and `recorded_force_unit` are those of the file, where these are others, for what a person reads.
     `channels` are further signals on which the thing may depend (temperature, current), each a number or (n,).
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
@@ -71,6 +72,8 @@ class Recording:
     base: str = ""
     prescribed: bool = False
     channels: tuple[Channel, ...] = ()
+    recorded_unit: str = ""
+    recorded_force_unit: str = ""
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")
@@ -214,6 +217,8 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
         quantity=quantity,
         unit=unit.si,
         force_unit=force_unit.si,
+        recorded_unit=unit.text,
+        recorded_force_unit=force_unit.text,
         start=sampling.start,
         notes=(*sampling.notes, *whole.notes),
         blank=whole.blank,

@@ -12,7 +12,7 @@ from ..model.display import full_stop, number, quantity_text, times_text
 from ..model.effect_words import effect_in_words
 from .before_after import fit_sentence, ratio_to_floor
 from .diagnosis_page import VERDICTS, next_step, remarks
-from .effects import BENT, shifts
+from .effects import BENT, shifts, size_text
 from .location import PATHS
 
 if TYPE_CHECKING:
@@ -75,9 +75,8 @@ def _effect(effect: Effect, diagnosis: Diagnosis) -> list[str]:
     names = list(effect.parameters)[:_PARAMETERS]
     width = max((len(name) for name in names), default=0)
     for name in names:
-        own = _value(effect.parameters[name])
-        both = f"{_value(strengths[name])}, or {own} per unit mass" if name in strengths else own
-        lines.append(f"    {name:<{width}}  {both}")
+        besides = f", or {_value(effect.parameters[name])} per unit mass" if name in strengths else ""
+        lines.append(f"    {name:<{width}}  {plain_text(size_text(diagnosis, effect, name))}{besides}")
     if effect.indistinguishable_from:
         by = effect.separated_by
         if plan is not None and plan.sentence.strip():  # stands below

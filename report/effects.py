@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from ..diagnose.result import SURE
 from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
+from ..model.as_recorded import parameter_as_recorded
 from ..model.display import full_stop, number, percent_text, pretty_unit, quantity_text, typeset, value_text
 from ..model.effect_words import effect_in_words
 from ..model.library import find
@@ -55,13 +56,18 @@ def lead_table(diagnosis: Diagnosis) -> list[Table]:
     """What is missing at one glance: the effect, its strength in the machine's units, how probable it is."""
     rows: list[tuple[str | Cell, ...]] = []
     for effect in diagnosis.effects:
-        strengths = diagnosis.of_machine(effect)
-        sizes = [f"{name} {quantity_text(strengths.get(name, p))}" for name, p in effect.parameters.items()]
+        sizes = [f"{name} {size_text(diagnosis, effect, name)}" for name in effect.parameters]
         rivals = effect.indistinguishable_from
         rival_words = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
         rows.append((effect_in_words(effect.law), ", ".join(sizes), probability_text(effect.odds), rival_words))
     head = ("What is missing", "Its size", "Probability", "Not distinguished from")
     return [Table(head, tuple(rows), cards=True)] if rows else []
+
+
+def size_text(diagnosis: Diagnosis, effect: Effect, name: str) -> str:
+    """A parameter of an effect as the machine has it, lengths in the unit as recorded."""
+    own = parameter_as_recorded(diagnosis.model, effect.parameters[name])
+    return quantity_text(diagnosis.of_machine(effect).get(name, own))
 
 
 def probability_text(odds: float) -> str:

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..export.render import plain_text
-from ..model.display import full_stop, number, pretty_unit, scale_of
+from ..identify.signals.said import said
+from ..model.as_recorded import as_recorded
+from ..model.display import Scale, full_stop, number, pretty_unit, scale_of
 from ..model.fit_state import lacking
 from ..model.show import warnings as model_warnings
 from .agreement import agreement_section, verdict
@@ -146,12 +148,8 @@ def _recordings(identification: Identification) -> list[Block]:
     kinds = [r.get("kind", "") for r in identification.oscillator.identified.recordings]
     rows = []
     for i, r in enumerate(identification.recordings):
-        scale = scale_of(r.unit, r.response)
-        peak = f"{number(float(np.max(np.abs(r.response))) * scale.factor)} {scale.unit}"
-        force = "none"
-        if r.force is not None:
-            fscale = scale_of(r.force_unit, r.force)
-            force = f"{number(float(np.max(np.abs(r.force))) * fscale.factor)} {fscale.unit}"
+        peak = said(r, float(np.max(np.abs(r.response))))
+        force = "none" if r.force is None else said(r, float(np.max(np.abs(r.force))), force=True)
         kind = str(kinds[i]) if i < len(kinds) else ""
         length = f"{number(r.duration, 4)} s"
         decays = str(len(identification.hilbert.decays[i]))
@@ -199,9 +197,9 @@ def _validity(identification: Identification) -> list[Block]:
     rows = []
     for name, span in (("amplitude", model.amplitude), ("frequency", model.frequency)):
         if span is not None:
-            scale = scale_of(span.unit, span.max)
-            low, high = (number(v * scale.factor, 4) for v in (span.min, span.max))
-            rows.append((name, low, high, scale.unit))
+            (low, unit), (high, _) = (as_recorded(model, value, span.unit) for value in (span.min, span.max))
+            scale = scale_of(unit, high) if unit == span.unit else Scale(1.0, pretty_unit(unit))
+            rows.append((name, *(number(v * scale.factor, 4) for v in (low, high)), scale.unit))
     if not rows:
         return [Text("The model states no range; judge for yourself how far it reaches.")]
     return [

@@ -6,7 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from ..model.display import number, percent_text, pretty_unit, typeset, value_text
+from ..model.as_recorded import parameter_as_recorded
+from ..model.display import number, percent_text, pretty_unit, quantity_text, typeset, value_text
 from ..model.physical import machine, machine_words
 from ..model.show import percent
 from .blocks import Cell, Table, Text
@@ -35,11 +36,18 @@ def parameter_table(model: Oscillator, truth: Mapping[str, float] | None = None)
         row: list[str | Cell] = [name, value, error, percent_text(percent(p)), pretty_unit(p.unit)]
         if truth:
             row += _against(p, truth.get(name))
-        row.append(words[name] + (f" ({number(p.value / (2 * math.pi), 6)} Hz)" if name == "omega0" else ""))
+        row.append(words[name] + _besides(model, name, p))
         rows.append(tuple(row))
     return Table(
         (*head, "Meaning"), tuple(rows), tuple(numeric), "One standard error, at the maximum of the likelihood."
     )
+
+
+def _besides(model: Oscillator, name: str, parameter: Parameter) -> str:
+    if name == "omega0":
+        return f" ({number(parameter.value / (2 * math.pi), 6)} Hz)"
+    shown = parameter_as_recorded(model, parameter)
+    return f" ({quantity_text(shown)})" if "." in name and shown.unit != parameter.unit else ""
 
 
 def machine_table(model: Oscillator) -> Table:

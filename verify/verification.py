@@ -21,6 +21,7 @@ import numpy as np
 from ..errors import BadInput
 from ..identify.fit.hold import held_as
 from ..identify.problem.replay import Replay, force_of, run_along
+from ..identify.signals.said import said
 from ..identify.signals.signals import noise_levels
 from ..model import Response
 from ..model.left import share_of_motion
@@ -261,11 +262,11 @@ def _besides(replay: Replay, recording: Recording) -> list[str]:
     sensor, _ = noise_levels(recording)
     words = []
     if abs(replay.zero) > sensor:
-        words.append(f"its sensor shows {replay.zero:.4g} {recording.unit} at zero")
+        words.append(f"its sensor shows {said(recording, replay.zero)} at zero")
     if replay.drift:
-        words.append(f"its sensor drifts by {replay.drift:.4g} {recording.unit}/s")
+        words.append(f"its sensor drifts by {said(recording, replay.drift, per='/s')}")
     if replay.load:
-        words.append(f"its load cell shows {replay.load:.4g} {recording.force_unit} at zero")
+        words.append(f"its load cell shows {said(recording, replay.load, force=True)} at zero")
     return words
 
 

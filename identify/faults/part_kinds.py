@@ -17,6 +17,7 @@ from ..signals.limits import FLAT
 from ..signals.noise_spectrum import two_sources
 from ..signals.odds import BEYOND_ERRORS, BY_CHANCE
 from ..signals.registry import numerics
+from ..signals.said import said
 from ..signals.signals import noise_levels
 from .contradiction import Contradiction
 from .limits import PASSED
@@ -43,26 +44,26 @@ def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]
         if (stood := stands_still(segment, left, inside, noise)) is not None:
             value, begin, end = stood
             return (
-                f"from {begin:.4g} to {end:.4g} s the response stands still at {value:.4g} {recording.unit} while the "
+                f"from {begin:.4g} to {end:.4g} s the response stands still at {said(recording, value)} while the "
                 "thing moves on: the recorder held a sample, or a cable was loose; leave that out (--part FROM:TO)"
             )
         if (spike := lone(segment, left, inside, noise)) is not None:
             size, time = spike
             return (
-                f"at {time:.4g} s the response is off by {size:.4g} {recording.unit} for a sample or two: a spike of "
+                f"at {time:.4g} s the response is off by {said(recording, size)} for a sample or two: a spike of "
                 "the electronics; leave that out (--part FROM:TO), or record again"
             )
         if (cut := cut_off(segment, left, inside, noise)) is not None:
             top, time = cut
             return (
-                f"at {time:.4g} s the top of a swing is cut off at {top:.4g} {recording.unit}: the sensor or its "
+                f"at {time:.4g} s the top of a swing is cut off at {said(recording, top)}: the sensor or its "
                 "amplifier came to its limit; leave out what reaches it (--part FROM:TO), or measure with more range"
             )
         long = 2 * np.count_nonzero(inside) >= segment.n
         if long and (step := walk(left[inside])) is not None:
             size = step * np.sqrt(recording.fs)
             return (
-                f"the sensor's zero walks at random, by {size:.2g} {recording.unit} in a second: it drifts with "
+                f"the sensor's zero walks at random, by {said(recording, size)} in a second: it drifts with "
                 "temperature or its amplifier integrates noise; mend that, and leave the recording out"
             )
     return None

@@ -13,6 +13,7 @@ from ..motion.force_off import zero_of
 from ..signals.limits import FEWEST_CYCLES
 from ..signals.odds import BEYOND_ERRORS
 from ..signals.registry import numerics
+from ..signals.said import said
 from .normal_equations import pseudo_inverse
 
 if TYPE_CHECKING:
@@ -103,8 +104,7 @@ class FoundOffset:
     def sentence(self, recording: Recording) -> str:
         """What a user reads of it."""
         row = ROWS[self.channel]
-        unit = recording.force_unit if row.forced else recording.unit
-        return f"{recording.name}: {row.sentence.format(f'{self.value:.4g} ± {self.std:.2g} {unit}')}"
+        return f"{recording.name}: {row.sentence.format(said(recording, self.value, self.std, force=row.forced))}"
 
 
 def zeros_along(offsets: Sequence[Offset], values: np.ndarray, segment: Segment) -> tuple[np.ndarray, float]:
