@@ -49,8 +49,11 @@ class Backbone:
         )
 
     def _at(self, i: int) -> str:
-        ratio = 100 * self.damping_ratio[i]
-        return f"{self.frequency[i]:.6g} Hz with {ratio:.3g} % damping at {self.amplitude[i]:.3g} {self.unit}"
+        from ..model.display import scale_of
+
+        ratio, scale = 100 * self.damping_ratio[i], scale_of(self.unit, float(self.amplitude[i]))
+        size = f"{self.amplitude[i] * scale.factor:.3g} {scale.unit}"
+        return f"{self.frequency[i]:.6g} Hz with {ratio:.3g} % damping at {size}"
 
     def _repr_html_(self) -> str:
         from .words import paragraph

@@ -66,7 +66,7 @@ class Simulation:
         peak = float(np.nanmax(np.abs(self.response), initial=0.0))
         words = (
             f"{self.name}: {self.shown.quantity} over {self.time.size} samples, {self.time[-1] - self.time[0]:.4g} s, "
-            f"up to {peak:.4g} {self.shown.unit}"
+            f"up to {self._said(peak)}"
         )
         if self.lost is not None:
             return f"{words}; it runs away at {self.lost:.4g} s"
@@ -75,6 +75,14 @@ class Simulation:
             if self.nrmse is None
             else f"{words}; leaves {percent_words(100 * self.nrmse)} % of the measured motion"
         )
+
+    def _said(self, value: float) -> str:
+        """A response in the unit as recorded; under a force of one's own with a fitting prefix."""
+        from ..identify.signals.said import said
+        from ..model.display import scale_of
+
+        scale = scale_of(self.shown.unit, value)
+        return f"{value * scale.factor:.3g} {scale.unit}" if self.measured is None else said(self.measured, value)
 
     def _repr_html_(self) -> str:
         from .words import paragraph

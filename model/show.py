@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .as_recorded import as_recorded, parameter_as_recorded
+from .as_recorded import as_recorded, parameter_as_recorded, recorded_length
 from .fit_state import faults_of_recordings, left_over, state_of_fit
 from .oscillator import HOLDS
 from .physical import machine, machine_words
@@ -266,7 +266,9 @@ def _validity(o: Oscillator) -> list[str]:
             (low, unit), (high, _) = (as_recorded(o, value, r.unit) for value in (r.min, r.max))
             ranges.append(f"  {name:<10} {low:.4g} to {high:.4g} {unit}")
     force = [] if o.mass is None else [f"  force      {HOLDS[o.hold]} (hold: {o.hold})"]
-    return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}", *force]
+    length, own = recorded_length(o), o.response.displacement_unit
+    besides = f", recorded in {o.response.unit.replace(own, length, 1)}" if length != own else ""
+    return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}{besides}", *force]
 
 
 def _origin(o: Oscillator) -> list[str]:

@@ -13,10 +13,11 @@ from ..diagnose.result import SURE
 from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
 from ..model.as_recorded import parameter_as_recorded
-from ..model.display import full_stop, number, percent_text, pretty_unit, quantity_text, typeset, value_text
+from ..model.display import full_stop, number, percent_text, pretty_unit, quantity_text, scale_of, typeset, value_text
 from ..model.effect_words import effect_in_words
 from ..model.library import find
 from ..model.machine_units import words_of_product
+from ..model.parameter import Parameter
 from ..model.show import percent
 from .blocks import Block, Cell, Section, Table, Text
 from .location import PATHS
@@ -24,7 +25,6 @@ from .parameters import equation_blocks
 
 if TYPE_CHECKING:
     from ..diagnose.result import Considered, Diagnosis, Effect
-    from ..model import Parameter
     from ..model.law import Law
 
 #: A parameter counts as bent from here on, in standard errors.
@@ -65,8 +65,13 @@ def lead_table(diagnosis: Diagnosis) -> list[Table]:
 
 
 def size_text(diagnosis: Diagnosis, effect: Effect, name: str) -> str:
-    """A parameter of an effect as the machine has it, lengths in the unit as recorded."""
-    own = parameter_as_recorded(diagnosis.model, effect.parameters[name])
+    """A parameter of an effect as the machine has it, lengths in the unit as recorded or with a fitting prefix."""
+    given = effect.parameters[name]
+    own, length = parameter_as_recorded(diagnosis.model, given), diagnosis.model.response.displacement_unit
+    if own.unit == given.unit == length != "rad":
+        scale = scale_of(length, given.value)
+        std = None if given.std is None else given.std * scale.factor
+        own = Parameter(given.value * scale.factor, std, scale.unit)
     return quantity_text(diagnosis.of_machine(effect).get(name, own))
 
 

@@ -52,6 +52,7 @@ def test_what_is_shown_is_in_millimetres_and_the_file_in_metres():
     rig = model("mm")
     said = describe(rig)
     assert "amplitude  0.2 to 9 mm" in said
+    assert "displacement in m, recorded in mm" in said
     (line,) = [line for line in said.splitlines() if line.strip().startswith("one-sided-stop.position")]
     assert line.split()[1:3] == ["0.0012", "m"]
     assert line.endswith(", 1.2 mm")
