@@ -12,7 +12,8 @@ from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
-from dashpot.identify.identification import _has_lost, belong_together
+from dashpot.identify.identification import belong_together
+from dashpot.identify.left import has_lost
 from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording, read
@@ -257,9 +258,9 @@ def test_a_mass_stays_one_that_a_force_can_move():
 )
 def test_a_simulation_has_lost_the_motion_where_it_leaves_three_tenths(monkeypatch, left, times, quiet, lost):
     """Of a segment that carries motion, and more than its noise: a noisy record may be told as well as can be."""
-    monkeypatch.setattr("dashpot.identify.identification._is_quiet", lambda response, fit: quiet)
+    monkeypatch.setattr("dashpot.identify.left.is_quiet", lambda response, fit: quiet)
     segment = SimpleNamespace(segment=SimpleNamespace(response=None), nrmse=left, over_noise=times)
-    assert _has_lost(segment, None) is lost
+    assert has_lost(segment, None) is lost
 
 
 @pytest.mark.parametrize("seed", [3, 5])
