@@ -106,9 +106,7 @@ def beyond(oscillator: Oscillator, most: MostLeft) -> list[str]:
     A part of the motion counts where it is more than noise, which no model tells.
     """
     allowed = (
-        f"{percent_words(100 * most.part)} % of the motion"
-        if math.isinf(most.times)
-        else f"{times_words(most.times)} times the noise"
+        f"{100 * most.part:.4g} % of the motion" if math.isinf(most.times) else f"{most.times:.4g} times the noise"
     )
     return [
         f"{left.file}: the model leaves {left.of_motion}, {left.of_noise}, more than {allowed}"

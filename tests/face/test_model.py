@@ -175,7 +175,7 @@ def test_the_backbone_of_a_linear_rig_is_its_frequency():
     curve = dashpot.Model.from_values(rig).backbone([1e-3, 2e-3])
     np.testing.assert_allclose(curve.frequency, 40.0 / (2 * np.pi))
     np.testing.assert_allclose(curve.damping_ratio, 0.01)
-    assert "1 % damping at 0.001 m" in repr(curve)
+    assert "1 % damping at 1 mm" in repr(curve)
 
 
 def test_saved_is_loaded(model, tmp_path):
