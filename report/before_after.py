@@ -36,12 +36,12 @@ _ROOM = 2.0
 _LOST = 1e4
 #: Less than this part of a simulation has no spectrum worth showing.
 _WHOLE = 0.95
-#: More recordings than these stand in the table only, so that the page stays small; the first are seen at once.
-_PICTURES, _FIRST = 8, 2
+#: More recordings than these stand in the table only, so that the page stays small; the first is seen at once.
+_PICTURES, _FIRST = 8, 1
 
 
 def response_section(diagnosis: Diagnosis) -> Section:
-    """Tables for held-out and for training recordings, and a picture for each, the held-out ones first."""
+    """Tables for held-out and for training recordings, and a picture of the first: a held-out one, if there is any."""
     records = diagnosis.records
     mended = diagnosis.mended
     title = "Measured, before and after" if mended else "Measured and simulated"
@@ -58,7 +58,7 @@ def response_section(diagnosis: Diagnosis) -> Section:
 
 
 def more_responses_section(diagnosis: Diagnosis) -> Section:
-    """The pictures of those recordings that are not among the first, and the names of those without one."""
+    """The pictures of the recordings after the first, and the names of those without one."""
     drawn = _pictures(diagnosis)[_FIRST:]
     rest = [r.file for r in _ordered(diagnosis)[_PICTURES:]]
     if rest:

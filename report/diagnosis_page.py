@@ -14,7 +14,7 @@ from .blocks import Block, Items, Page, Section, Text
 from .effects import considered_section, effects_section, lead_table, shift_section
 from .location import location_section
 from .mended_curves import curves_section
-from .missing_force import force_section
+from .missing_force import force_section, more_forces
 from .next_experiment import experiment_section
 from .provenance import files_text, recordings_table
 
@@ -36,8 +36,11 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
         diagnosis: what ``diagnose`` returns.
         files: names of the files written beside the page.
     """
+    said = _says_what_is_left(diagnosis)
+    left = [Text(fit_sentence(diagnosis.records, diagnosis.mended), lead="What is left:")] if diagnosis.records else []
+    response, others = response_section(diagnosis), more_responses_section(diagnosis)
     sections = [
-        response_section(diagnosis),
+        replace(response, blocks=(*left, *response.blocks)) if said else response,
         location_section(diagnosis),
         force_section(diagnosis),
         *(
@@ -47,7 +50,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
                 considered_section(diagnosis),
                 shift_section(diagnosis),
                 curves_section(diagnosis),
-                more_responses_section(diagnosis),
+                replace(others, blocks=(*others.blocks, *more_forces(diagnosis))),
                 experiment_section(diagnosis),
             )
         ),
@@ -57,13 +60,18 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
     ]
     mark, tone = VERDICTS.get(diagnosis.verdict, ("", "note"))
     lead: list[Block] = [Text(full_stop(diagnosis.sentence), tone, mark), *lead_table(diagnosis)]
-    if diagnosis.records:
-        lead.append(Text(fit_sentence(diagnosis.records, diagnosis.mended), lead="What is left:"))
+    if not said:
+        lead += left
     lead.append(Text(next_step(diagnosis, files), lead="What to do next:"))
     if diagnosis.experiment is not None and _planned(diagnosis):
         lead.append(Text(full_stop(diagnosis.experiment.sentence), lead="The next experiment:"))
     software = diagnosis.model.identified.software or "dashpot"
     return Page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead, footer=f"Made by {software}.")
+
+
+def _says_what_is_left(diagnosis: Diagnosis) -> bool:
+    """Whether the verdict's own sentence says what is left of what was held out: twice is not needed at the top."""
+    return diagnosis.verdict == "missing-physics" and any(record.holdout for record in diagnosis.records)
 
 
 def next_step(diagnosis: Diagnosis, files: Sequence[str] = ()) -> str:

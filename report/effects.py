@@ -53,14 +53,15 @@ def effects_section(diagnosis: Diagnosis) -> Section:
 
 
 def lead_table(diagnosis: Diagnosis) -> list[Table]:
-    """What is missing at one glance: the effect, its strength in the machine's units, how probable it is."""
+    """What is missing at one glance: the effect, its strength in the machine's units, its share, how probable it is."""
     rows: list[tuple[str | Cell, ...]] = []
     for effect in diagnosis.effects:
         sizes = [f"{name} {size_text(diagnosis, effect, name)}" for name in effect.parameters]
         rivals = effect.indistinguishable_from
         rival_words = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
-        rows.append((effect_in_words(effect.law), ", ".join(sizes), probability_text(effect.odds), rival_words))
-    head = ("What is missing", "Its size", "Probability", "Not distinguished from")
+        share = "" if effect.share is None else f"{number(100 * effect.share)} % of what is left without it"
+        rows.append((effect_in_words(effect.law), ", ".join(sizes), share, probability_text(effect.odds), rival_words))
+    head = ("What is missing", "Its size", "It takes", "Probability", "Not distinguished from")
     return [Table(head, tuple(rows), cards=True)] if rows else []
 
 

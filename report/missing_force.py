@@ -27,11 +27,10 @@ _SURE = 3.0
 
 
 def force_section(diagnosis: Diagnosis) -> Section:
-    """A picture for each recording that shows the missing force best."""
+    """A picture of the recording that shows the missing force best."""
     title = "The missing force"
-    usable = [latent for latent in diagnosis.latent if latent.force.size > 1 and np.any(np.isfinite(latent.force))]
-    shown = [latent for latent in usable if _rises(latent)][:_PICTURES] or usable[:1]
-    if not shown:
+    usable, drawn = _usable(diagnosis), _drawn(diagnosis)
+    if not drawn:
         why = "nothing is missing" if diagnosis.verdict == "consistent" else "it was not reconstructed"
         return Section(title, (Text(f"There is no missing force to show: {why}."),))
     blocks: list[Block] = [
@@ -42,19 +41,34 @@ def force_section(diagnosis: Diagnosis) -> Section:
             "motion before."
         )
     ]
-    unit = diagnosis.model.response.displacement_unit
-    for i, latent in enumerate(shown):
+    blocks.append(drawn[0])
+    quiet = [latent.file for latent in usable if not _rises(latent)]
+    if quiet and len(quiet) < len(usable):
+        blocks.append(Text(f"In {', '.join(quiet)} it does not rise above its uncertainty."))
+    return Section(title, tuple(blocks))
+
+
+def more_forces(diagnosis: Diagnosis) -> list[Block]:
+    """The pictures of the other recordings that show it."""
+    return _drawn(diagnosis)[1:]
+
+
+def _usable(diagnosis: Diagnosis) -> list[LatentForce]:
+    return [latent for latent in diagnosis.latent if latent.force.size > 1 and np.any(np.isfinite(latent.force))]
+
+
+def _drawn(diagnosis: Diagnosis) -> list[Block]:
+    usable, unit = _usable(diagnosis), diagnosis.model.response.displacement_unit
+    drawn = []
+    for i, latent in enumerate([latent for latent in usable if _rises(latent)][:_PICTURES] or usable[:1]):
         named = " Line: the named effects along the same motion, averaged alike." if latent.named is not None else ""
         caption = (
             f"{plain_text(latent.file)}: mean of the missing force over displacement and over velocity, with its "
             "spread (light) and the smoother's standard error (dark); below, a stretch of it over time (thick grey)."
             f"{named}"
         )
-        blocks.append(picture(lambda latent=latent, i=i: force_figure(latent, unit, f"missing-{i + 1}"), caption))
-    quiet = [latent.file for latent in usable if not _rises(latent)]
-    if quiet and len(quiet) < len(usable):
-        blocks.append(Text(f"In {', '.join(quiet)} it does not rise above its uncertainty."))
-    return Section(title, tuple(blocks))
+        drawn.append(picture(lambda latent=latent, i=i: force_figure(latent, unit, f"missing-{i + 1}"), caption))
+    return drawn
 
 
 def _rises(latent: LatentForce) -> bool:

@@ -11,8 +11,9 @@ import numpy as np
 from ..export.render import plain_text
 from ..identify.signals.said import said
 from ..model.as_recorded import as_recorded
-from ..model.display import Scale, full_stop, number, pretty_unit, scale_of
+from ..model.display import Scale, full_stop, number, pretty_unit, quantity_text, scale_of
 from ..model.fit_state import lacking
+from ..model.physical import machine
 from ..model.show import warnings as model_warnings
 from .agreement import agreement_section, verdict
 from .backbone_distance import distance_figure
@@ -29,8 +30,11 @@ from .used import left, taken, used_table
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
+    from ..model import Oscillator
     from ..verify.verification import Verification
 
+#: What of the machine is said first, where it is known.
+_FIRST = {"natural_frequency": "natural frequency", "damping_ratio": "damping ratio", "total_mass": "moving mass"}
 #: Where the estimates that need no simulation came from.
 _SOURCES = {
     "pieces": "the fit of Eq. 17 to its free pieces",
@@ -76,11 +80,13 @@ def identification_page(
 def _lead(
     identification: Identification, shown: Sequence[Comparison], *, verified: bool, files: Sequence[str]
 ) -> list[Block]:
-    """Whether the numbers may be believed, and what to type next."""
+    """Whether the numbers may be believed, the first of them, and what to type next."""
     model = identification.oscillator
-    yaml = next((name for name in files if name.endswith(".yaml")), "model.yaml")
+    saved = next((name for name in files if name.endswith(".yaml")), None)
+    yaml = saved or "model.yaml"
+    first = "" if saved else f", of the model saved as {yaml}"
     recordings = dict.fromkeys(r.name.partition("#")[0] for r in identification.recordings)
-    again = f"dashpot diagnose {shlex.join([yaml, *recordings])} -o diagnosis"
+    numbers = Text(_in_short(model), lead="In short:")
     left = lacking(model)
     told = identification.useless or identification.unexplained
     if left or told:
@@ -89,15 +95,28 @@ def _lead(
         if told and (identification.useless or not left):
             words += full_stop(f"{told[0].upper()}{told[1:]}") + " "
         words += "The recordings hold something that the model does not, and the standard errors below may not hold."
-        ask = Code("What is missing (with the options that the recordings were read with):", again)
+        again = f"dashpot diagnose {shlex.join([yaml, *recordings])} -o diagnosis"
+        ask = Code(f"What is missing{first} (with the options that the recordings were read with):", again)
         warning = Text(words, "warn", "▲ More than noise is left." if left else "▲ No rig has such a friction.")
-        return [*([verdict(shown)] if verified else []), warning, ask]
+        return [*([verdict(shown)] if verified else []), warning, ask, numbers]
+    fmu = next((name for name in files if name.endswith(".fmu")), None)
     if verified:
-        return [verdict(shown)]
-    fmu = f"{yaml.removesuffix('.yaml')}.fmu"
-    commands = f"dashpot export {shlex.join([yaml, fmu])}\ndashpot verify {shlex.join([fmu, *recordings])}"
-    how = "Next, as an FMU and proven on the recordings (with the options that these were read with):"
-    return [verdict(shown), Code(how, commands)]
+        how = "Next, the same proof on a recording of your own; programs that load the model stand further below:"
+        return [verdict(shown), Code(how, f"dashpot verify {shlex.quote(fmu or 'model.fmu')} recording.csv"), numbers]
+    made = fmu or f"{yaml.removesuffix('.yaml')}.fmu"
+    commands = f"dashpot export {shlex.join([yaml, made])}\ndashpot verify {shlex.join([made, *recordings])}"
+    how = f"Next, as an FMU and proven on the recordings{first} (with the options that these were read with):"
+    return [verdict(shown), Code(how, commands), numbers]
+
+
+def _in_short(model: Oscillator) -> str:
+    """The figures that every rig has, in a sentence."""
+    known = machine(model)
+    words = []
+    for name, called in _FIRST.items():
+        if name in known:
+            words.append(f"{called} {quantity_text(known[name])}")
+    return full_stop(", ".join(words))
 
 
 def _methods(identification: Identification) -> tuple[Table, ...]:

@@ -24,7 +24,8 @@ def usage_section(model: Oscillator, files: Sequence[str]) -> Section:
         name = yaml.removesuffix(".yaml")
         made = [file for file, there in ((f"{name}.fmu", fmu), (f"{name}.casadi", casadi)) if there is None]
         lines = "\n".join(f"dashpot export {_shell(yaml)} {_shell(file)}" for file in made)
-        blocks.append(Code("Make the files that other programs load:", lines))
+        of = "" if _first(files, ".yaml") else f", of the model saved as {yaml}"
+        blocks.append(Code(f"Make the files that other programs load{of}:", lines))
         fmu, casadi = fmu or f"{name}.fmu", casadi or f"{name}.casadi"
     blocks.append(
         Code(

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import pytest
 from dashpot.diagnose.result import SURE, Effect
-from dashpot.report.effects import effect_blocks
+from dashpot.report.effects import effect_blocks, lead_table
 
 
 @pytest.mark.parametrize(
@@ -25,3 +28,19 @@ def test_odds_stand_with_the_effect(odds, rivals, share, words):
     effect = Effect("quadratic-drag", "quadratic-drag", "dissipation", {}, rivals, odds=odds, share=share)
     table = effect_blocks(effect)[0]
     assert ("Odds", words) in table.rows  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(("share", "words"), [(0.75, "75 % of what is left without it"), (None, "")])
+def test_the_first_table_has_size_share_and_probability(with_law, share, words):
+    model = with_law("quadratic-drag")
+    given = model.parameters()["quadratic-drag.coefficient"]
+    effect = Effect(
+        "quadratic-drag", "quadratic-drag", "dissipation", {"coefficient": given}, (), odds=99.0, share=share
+    )
+    found: Any = SimpleNamespace(model=model, effects=(effect,))
+    (table,) = lead_table(found)
+    row = dict(zip(table.head, table.rows[0], strict=True))
+    assert row["It takes"] == words
+    assert row["Probability"] == "99 %"
+    assert row["Its size"].startswith(f"coefficient {model.mass.value * given.value:.3g}"[:14])
+    assert row["Its size"].endswith("N·s²/m²")
