@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -11,8 +13,8 @@ from .. import __version__
 from ..export.render import plain_text
 from ..identify.hilbert.hilbert_files import UNITS, force_unit_of
 from ..model import Response, units
-from ..model.display import full_stop, number, pretty_unit
-from .blocks import Block, Items, Page, Section, Table, Text, picture
+from ..model.display import full_stop, number, pretty_unit, times_text
+from .blocks import Block, Code, Items, Page, Section, Table, Text, picture
 from .hilbert_figures import BAND, characteristic_figure, curves_figure, time_figure
 from .levels import sine_levels
 from .modal_table import laws_table, modal_table
@@ -57,7 +59,28 @@ def hilbert_page(
         f"{count['FREEVIB']} free decays by FREEVIB, {count['FORCEVIB']} driven stretches by FORCEVIB. All numbers "
         "here are those of the Hilbert transform alone; dashpot identify fits the motion itself."
     )
-    return Page("Hilbert analysis", sections, lead=[lead], footer=f"Made by dashpot {__version__}.")
+    names = dict.fromkeys(r.name.partition("#")[0] for r in recordings)
+    how = "Next, the model that fits the motion itself (with the options that the recordings were read with):"
+    again = Code(how, f"dashpot identify {shlex.join(names)} -o rig.yaml --report rig.html")
+    blocks = [*_warning(analysis), lead, again]
+    return Page("Hilbert analysis", sections, lead=blocks, footer=f"Made by dashpot {__version__}.")
+
+
+def _warning(analysis: HilbertAnalysis) -> list[Text]:
+    """That the laws leave more than noise, and that no errors are stated there."""
+    fits = {name: getattr(analysis, method) for method, name in _NAMES.items()}
+    left = [
+        f"{times_text(fit.over_noise)} times the noise of {name}'s curves"
+        for name, fit in fits.items()
+        if fit is not None and not fit.has_errors
+    ]
+    if not left:
+        return []
+    words = (
+        f"Eqs. 1, 6 and 7 leave {' and '.join(left)}. Something else moves the rig, or it was swept too fast; the "
+        "parameters stand in for that, so no error would hold, and none is stated there."
+    )
+    return [Text(words, "warn", "▲ More than noise is left.")]
 
 
 def characteristics(analysis: HilbertAnalysis, recordings: Sequence[Recording], unit: str) -> list[Block]:
@@ -94,8 +117,9 @@ def _parameters(analysis: HilbertAnalysis, unit: str, force: str, truth: Mapping
         blocks.append(laws_table(fit, unit, caption))
         spread = analysis.spread(method)
         if spread:
+            stated = {key: number(std) if fit.has_errors else "none" for key, std in fit.stds.items()}
             rows = tuple(
-                (key, number(value), number(fit.stds[key]), pretty_unit(units.compose(UNITS[key], unit, force)))
+                (key, number(value), stated[key], pretty_unit(units.compose(UNITS[key], unit, force)))
                 for key, value in spread.items()
             )
             head = ("Parameter", "Spread of single stretches", "± of all together", "Unit")
@@ -126,17 +150,27 @@ def _over_time(analysis: HilbertAnalysis, unit: str, force: str) -> list[Block]:
         what = "free decay, FREEVIB" if curve.method == "freevib" else "driven stretch, FORCEVIB"
         caption = f"{plain_text(curve.recording)}, stretch {i + 1}: {what}. Bands: ± {BAND:g} standard errors."
         if curve.fit is not None:
-            value, std = curve.fit.derived["F0/k"], curve.fit.derived_std["F0/k"]
-            terms = [f"F0/k {number(value)} ± {number(std, 2)} {unit}"]
-            if curve.fit.mass is not None:
-                terms.insert(0, f"mass {number(curve.fit.mass, 5)} ± {number(curve.fit.mass_std, 2)} {of_mass}")
+            fit = curve.fit
+            terms = [f"F0/k {number(fit.derived['F0/k'])}{_error(fit.derived_std['F0/k'])} {unit}"]
+            if fit.mass is not None:
+                terms.insert(0, f"mass {number(fit.mass, 5)}{_error(fit.mass_std)} {of_mass}")
             caption += f" By itself: {', '.join(terms)}."
+        if curve.cut:
+            caption += (
+                f" Its last {number(curve.cut, 2)} s are left out: friction stops it within the reach of the method's "
+                "low-passes, which bends it there."
+            )
         low, high = curve.decrement[curve.amplitude.argmin()], curve.decrement[curve.amplitude.argmax()]
         caption += (
             f" Logarithmic decrement {number(float(high))} at the largest amplitude, {number(float(low))} at the least."
         )
         blocks.append(picture(lambda c=curve, i=i: time_figure(c, unit, f"time-{i + 1}"), caption))
     return blocks
+
+
+def _error(std: float) -> str:
+    """The standard error behind a value; nothing where none is stated."""
+    return f" ± {number(std, 2)}" if math.isfinite(std) else ""
 
 
 def _within_the_cycle(analysis: HilbertAnalysis, unit: str) -> list[Block]:

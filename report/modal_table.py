@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..identify.hilbert.hilbert_files import UNITS
 from ..model import units
 from ..model.display import number, pretty_unit, times_text, value_text
+from ..model.fit_state import LACKING
 from ..model.parameter import Parameter
 from .blocks import Cell, Table
 
@@ -59,8 +61,8 @@ def modal_table(
     caption = (
         "Each with one standard error. FREEVIB and FORCEVIB: Eqs. 1, 6, 7 together, fitted to all curves of the method"
         + ("; maximum likelihood: the motion itself, simulated." if model is not None else ".")
-        + " Last row: rms of what the laws leave, over that of the noise; where it is far above 1 they are not "
-        "all that moves the rig, and the errors above are widened by it."
+        + " Last row: rms of what the laws leave, over that of the noise. "
+        f"Beyond {LACKING:g} they are not all that moves the rig: no error would hold, and none is stated."
     )
     return Table((*head, "Unit"), tuple(rows), tuple(range(1, len(head))), caption)
 
@@ -90,8 +92,8 @@ def _name(law: LawFit) -> str:
 
 
 def _left(times: float) -> Cell:
-    """Bad where the law leaves twice the noise: then it is not all that moves the rig."""
-    return Cell(times_text(times), "good" if times < 2 else "bad")
+    """Bad where the law leaves more than noise: then it is not all that moves the rig."""
+    return Cell(times_text(times), "good" if times <= LACKING else "bad")
 
 
 def _cell(value: float | None, std: float | None) -> str | Cell:
@@ -99,5 +101,5 @@ def _cell(value: float | None, std: float | None) -> str | Cell:
 
 
 def _text(value: float, std: float | None) -> str:
-    shown, error = value_text(Parameter(value, std, ""))
+    shown, error = value_text(Parameter(value, std if std is not None and math.isfinite(std) else None, ""))
     return f"{shown} ± {error}" if error else shown

@@ -181,6 +181,11 @@ def _values(values: Mapping[str, float], stds: Mapping[str, float], unit: str, c
     }
 
 
+def of_errors(fit: ModalFit) -> str:
+    """Why a fit states no errors, as the end of a sentence; empty where it states them."""
+    return "" if fit.has_errors else ": other physics moves the rig, no error would hold, and none is stated"
+
+
 def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
     """The parameters of both methods as text, one line each."""
     from ...model import Response
@@ -196,6 +201,7 @@ def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
             continue
         lines.append(f"{method.upper()}, {len(analysis.of(method))} {words}")
         values, stds = {**fit.values, **fit.derived}, {**fit.stds, **fit.derived_std}
-        lines += [f"  {n:8} {Parameter(v, stds[n], compose(UNITS[n], unit, force))}" for n, v in values.items()]
-        lines.append(f"  Eqs. 1, 6 and 7 leave {times_words(fit.over_noise)} times the noise.")
+        known = {n: std if math.isfinite(std) else None for n, std in stds.items()}
+        lines += [f"  {n:8} {Parameter(v, known[n], compose(UNITS[n], unit, force))}" for n, v in values.items()]
+        lines.append(f"  Eqs. 1, 6 and 7 leave {times_words(fit.over_noise)} times the noise{of_errors(fit)}.")
     return "\n".join(lines)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import BadInput
+from ...model.fit_state import LACKING
 from ...recording.given import recordings_of
 from ...simulate.threads import pool
 from ..motion.decays import find_free_motion
@@ -25,6 +26,7 @@ from .modal_fit import modal_fit
 from .modal_mass import MassFit, agreed
 from .modal_result import ModalCurve, ModalFit
 from .modal_stretch import Stretch, decay_stretch, forced_stretch
+from .run_out import before_stop, held
 from .within_the_cycle import within_the_cycle
 
 if TYPE_CHECKING:
@@ -183,7 +185,7 @@ def _evaluated(asked: _Asked) -> tuple[_Evaluated | None, list[str]]:
         part = asked.displacement.part(*samples)
         mass = driven = None
         if drive is None:
-            stretch = decay_stretch(part)
+            stretch = before_stop(decay_stretch(part))
         else:
             driven = driven_mass(forced_stretch(part, drive.part(*samples)))
             stretch, mass = driven.stretch, driven.mass
@@ -208,7 +210,9 @@ def _why_not(curve: ModalCurve, misfit: float) -> str:
     """
     rate = float(np.ptp(curve.omega)) / (2 * np.pi) / float(np.ptp(curve.time))
     slow = float(np.median(curve.damping)) ** 2 / np.pi
-    how = f"Eqs. 1, 6 and 7 leave {np.sqrt(misfit):.2g} times its noise, and its parameters hold no better than that; "
+    left = float(np.sqrt(misfit))
+    errors = "no errors of its parameters are stated" if left > LACKING else "the errors of its parameters are wider"
+    how = f"Eqs. 1, 6 and 7 leave {left:.2g} times its noise, so that {errors}; "
     if slow > 0 and rate > slow:
         return (
             f"{how}it is swept at {rate:.2g} Hz/s, so that the rig rings beside its drive: sweep no faster than "
@@ -278,6 +282,7 @@ def modal_curve(
         low[:2] += _bent_off(stretch, fit)
         good &= low[0] > 0
     omega0 = np.sqrt(low[0][good])
+    rest = 0.0 if fit is None else held(fit.values["omega0"] ** 2, fit.values["preload"], fit.values["dry"])
     amplitude, phase = stretch.smooth_motion if stretch.ratio is None else (stretch.amplitude[keep], s.phase[keep])
     return ModalCurve(
         recording=recording,
@@ -296,7 +301,10 @@ def modal_curve(
         # the kernels' effective length is a third of their joint length
         independent=min(1.0, KERNELS_A_VALUE / (s.kernel + stretch.low_pass_kernel.size)),
         fit=fit,
-        within=None if displacement is None or mass is not None else within_the_cycle(stretch, displacement, good),
+        within=None
+        if displacement is None or mass is not None
+        else within_the_cycle(stretch, displacement, good, rest),
+        cut=stretch.run_out / stretch.fs,
     )
 
 

@@ -63,7 +63,7 @@ def driven_mass(whole: Stretch) -> DrivenMass:
     """
     found: list[DrivenMass] = []
     problem: BadInput | None = None
-    for way in (mass_fit, mass_by_laws):
+    for way in (mass_beside_harmonics, mass_by_laws):
         try:
             found.append(_found(whole, way))
         except BadInput as p:
@@ -102,12 +102,33 @@ def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
     return DrivenMass(stretch, mass, way is mass_by_laws, hold, max(fit.misfit for fit in fits))
 
 
+def mass_beside_harmonics(stretch: Stretch) -> MassFit:
+    """1/m by smooth functions of the amplitude, less what the harmonics of the laws do to the force's fundamental.
+
+    How far a harmonic is from the rig's own frequency depends on where the motion is driven: at one amplitude they are
+    two stiffnesses below and above the resonance, which no function of the amplitude is, and the mass would take it.
+
+    Raises:
+        BadInput: as ``mass_fit``.
+    """
+    try:
+        further = _beside_laws(stretch)[1]
+    except BadInput:  # no laws, no harmonics
+        further = 0.0
+    return mass_fit(stretch, further=further)
+
+
 def mass_by_laws(stretch: Stretch) -> MassFit:
     """1/m beside Eqs. 1, 6 and 7 in one regression, with the harmonics that these make.
 
     Raises:
         BadInput: too little motion above the noise, or no positive mass.
     """
+    return _beside_laws(stretch)[0]
+
+
+def _beside_laws(stretch: Stretch) -> tuple[MassFit, np.ndarray]:
+    """The mass beside Eqs. 1, 6 and 7, and what their harmonics add to the force over X, (n,), complex, 1/s²."""
     clear, first = moving(stretch), stretch.signal.equation_first
     a = np.maximum(stretch.amplitude, _STILL * float(np.max(stretch.amplitude[stretch.keep][clear])))
     springs = np.stack([np.ones_like(a), 0.75 * a**2, 4 / (np.pi * a)])
@@ -120,13 +141,15 @@ def mass_by_laws(stretch: Stretch) -> MassFit:
         slopes = Slopes(springs * np.array([[0.0], [2.0], [-1.0]]), none, dampers * np.array([[0.0], [-1.0]]))
         smoothed = 0.0
     mass, value = regressed(stretch, springs, dampers, smoothed=smoothed, slopes=slopes)
+    further = np.zeros(first.size, complex)
     for _ in range(_FITS - 1):
         if not value[0] > 0:
             raise BadInput("FORCEVIB finds no positive stiffness: this is not the motion of one oscillator.")
         names = dict(zip(EQ17, [np.sqrt(value[0]), *value[1:]], strict=True))
         stiff, damping = further_harmonics(stretch, names)
-        mass, value = regressed(stretch, springs, dampers, stiff + damping * first, smoothed, slopes)
-    return mass
+        further = stiff + damping * first
+        mass, value = regressed(stretch, springs, dampers, further, smoothed, slopes)
+    return mass, further
 
 
 # The beginning of a driven stretch, while the rig still rings at its own frequency beside the one it is driven at.

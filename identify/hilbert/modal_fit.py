@@ -3,7 +3,8 @@
 The laws are low-passed like the values they are fitted to, so that the low-pass bends neither preload nor friction; the
 amplitude is that of the fundamental, and what further harmonics do to it is taken off (``further_harmonics``). Errors
 are those of the sensors' white noise, followed to the samples (``modal_stretch``); where the curves miss the law by
-more than that noise, they are as much larger.
+more than that noise, they are as much larger. Where they miss it by far, other physics moves the rig, the parameters
+stand in for it, and no error would hold: none is stated (``ModalFit.without_errors``).
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model.backbone import preload_backbone
+from ...model.fit_state import LACKING
 from ..signals.odds import BY_CHANCE
 from ..signals.registry import budget, numerics
 from .further_harmonics import further_harmonics, peak_of
@@ -69,7 +71,7 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
     errors: dict[str, float] = dict(zip(derived, map(float, spread), strict=True))
     if mass is None:
         derived, errors = ({"F0/k": d["F0/k"]} for d in (derived, errors))
-    return ModalFit(
+    found = ModalFit(
         **fits,
         both=both,
         damping=damping,
@@ -78,6 +80,7 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
         derived=derived,
         derived_std=errors,
     )
+    return found if found.over_noise <= LACKING else found.without_errors
 
 
 def spring_and_friction(stretches: Sequence[Stretch], mass: MassFit, rounds: int = _ROUNDS) -> tuple[_Fit, _Fit]:
@@ -220,9 +223,9 @@ def _law_fit(law: str, names: tuple[str, ...], fit: _Fit, covariance: np.ndarray
             raise BadInput(f"The backbone by {law} leads to no positive stiffness: this is not one oscillator.")
         value[0] = np.sqrt(value[0])
         std[0] /= 2 * value[0]
-    return LawFit(
-        law, dict(zip(names, value.tolist(), strict=True)), dict(zip(names, std.tolist(), strict=True)), fit.misfit
-    )
+    values, stds = (dict(zip(names, numbers.tolist(), strict=True)) for numbers in (value, std))
+    found = LawFit(law, values, stds, fit.misfit)
+    return found if found.over_noise <= LACKING else found.without_errors
 
 
 def _spring(

@@ -73,8 +73,8 @@ def agreed(singles: Sequence[MassFit]) -> MassFit:
     return MassFit(inverse, float(1 / np.sqrt(np.sum(1 / variance))), rows=rows)
 
 
-def mass_fit(stretch: Stretch, smoothed: float = 0.0) -> MassFit:
-    """The mass of one driven stretch; `smoothed` as ``regressed`` has it.
+def mass_fit(stretch: Stretch, smoothed: float = 0.0, further: np.ndarray | float = 0.0) -> MassFit:
+    """The mass of one driven stretch; `smoothed` and `further` as ``regressed`` has them.
 
     Raises:
         BadInput: too little motion above the noise; no positive mass, where force and response do not belong together.
@@ -92,7 +92,7 @@ def mass_fit(stretch: Stretch, smoothed: float = 0.0) -> MassFit:
         (damping_basis(more * a, speed) - damping_basis(less * a, speed)) / (2 * _STEP),
         (damping_basis(a, more * speed) - damping_basis(a, less * speed)) / (2 * _STEP),
     )
-    return regressed(stretch, springs, dampers, smoothed=smoothed, slopes=None if smoothed else slopes)[0]
+    return regressed(stretch, springs, dampers, further, smoothed, None if smoothed else slopes)[0]
 
 
 def moving(stretch: Stretch) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -20,7 +20,8 @@ class LawFit:
 
     Attributes:
         law: ``preload`` (Eq. 1), ``polynomial`` (Eq. 6), ``preload and polynomial``, or ``viscous and dry`` (Eq. 7).
-        values, stds: by parameter of Eq. 17, SI, per unit mass, with standard errors.
+        values, stds: by parameter of Eq. 17, SI, per unit mass, with standard errors; infinite where the law is not all
+            that moves the rig, so that none would hold.
         misfit: mean square of what is left over that of the sensors' noise; 1 where noise explains it.
     """
 
@@ -34,10 +35,17 @@ class LawFit:
         """Rms of what is left over that of the noise: what pages, text and JSON say."""
         return math.sqrt(self.misfit)
 
+    @property
+    def without_errors(self) -> LawFit:
+        """The same with no error that would have to hold: all infinite."""
+        return replace(self, stds=dict.fromkeys(self.stds, math.inf))
+
 
 @dataclass(frozen=True)
 class ModalFit:
     """All fits of one method to the same curves; ``both`` and ``damping`` together are its Eq. 17.
+
+    Standard errors are infinite where these two leave more than noise: then none would hold.
 
     Attributes:
         preload: Eq. 1 alone; None where it does not go through the curves at all.
@@ -73,6 +81,18 @@ class ModalFit:
         return max(self.both.over_noise, self.damping.over_noise)
 
     @property
+    def has_errors(self) -> bool:
+        """Whether standard errors are stated."""
+        return math.isfinite(sum(self.both.stds.values()) + sum(self.damping.stds.values()))
+
+    @property
+    def without_errors(self) -> ModalFit:
+        """The same with no error that would have to hold: those of ``both``, ``damping`` and what follows infinite."""
+        none = dict.fromkeys(self.derived_std, math.inf)
+        both, damping = self.both.without_errors, self.damping.without_errors
+        return replace(self, both=both, damping=damping, mass_std=math.inf, derived_std=none)
+
+    @property
     def stds(self) -> dict[str, float]:
         """Their standard errors, by name."""
         return {**({} if self.mass is None else {"mass": self.mass_std}), **self.both.stds, **self.damping.stds}
@@ -97,6 +117,7 @@ class ModalCurve:
         independent: how many independent values a point stands for: the curves are smoother than they are dense.
         fit: the laws fitted to this curve alone; None where it is too short for that.
         within: what happens within the cycles of a decay; None under a force, and where a band took the harmonics.
+        cut: s at the end of a decay that are left out, because friction stops it within the reach of the kernels.
     """
 
     recording: str
@@ -115,6 +136,7 @@ class ModalCurve:
     independent: float
     fit: ModalFit | None
     within: WithinTheCycle | None = None
+    cut: float = 0.0
 
     @property
     def decrement(self) -> np.ndarray:

@@ -44,6 +44,7 @@ class Stretch:
     ratio: np.ndarray | None = None  # F/X, complex
     force_noise: float = 0.0
     rung_in: int = 0  # so many low-passed values at the beginning hold the rig's own ringing beside the driven motion
+    run_out: int = 0  # so many at the end of a decay lean on where friction stopped it
 
     @property
     def keep(self) -> slice:
@@ -74,6 +75,7 @@ class Stretch:
             first = int(np.argmax(clear))
             clear[first + int(np.argmin(clear[first:])) :] = False
         clear[: self.rung_in] = False
+        clear[clear.size - self.run_out :] = False
         return clear
 
     @computed_once

@@ -69,13 +69,15 @@ class WithinTheCycle:
     omega: np.ndarray
 
 
-def within_the_cycle(stretch: Stretch, samples: np.ndarray, good: np.ndarray) -> WithinTheCycle:
+def within_the_cycle(stretch: Stretch, samples: np.ndarray, good: np.ndarray, held: float = 0.0) -> WithinTheCycle:
     """The harmonics of a decay and what follows from them.
 
     Args:
         stretch: the decay.
         samples: (m,), of the displacement, which the stretch was made from the beginning of.
         good: of its low-passed values those that are asked for, (k,) of bool.
+        held: how far from its middle friction can hold the mass, in the displacement's unit: a centre that moves by no
+            more is no asymmetry, unless an even harmonic says so too.
     """
     s = stretch.signal
     squared, damping = free_modal_parameters(s)
@@ -86,6 +88,8 @@ def within_the_cycle(stretch: Stretch, samples: np.ndarray, good: np.ndarray) ->
     a, phase = a[good], phase[good]
     orders = np.array([0, *range(2, 1 + max(1, min(_MOST, int(s.period / _LEAST_SAMPLES))))])
     u, spread = _harmonics(stretch, samples[: s.time.size], orders, good)
+    if np.max(np.abs(u[0]), initial=0.0) <= held and not np.any(u[(orders % 2 == 0) & (orders > 0)]):
+        u[0] = 0.0
     order = orders[:, None]
     turned = u[1:] * np.exp(1j * order[1:] * phase)
     fundamental = a * np.exp(1j * phase)
@@ -126,7 +130,9 @@ def _harmonics(
     amplitude[keep], phase[keep] = stretch.smooth_motion
     # without the fundamental, of which some would pass where the frequency is not the one that the kernel was made for;
     # over the envelope: what is left changes so slowly that the kernels bend it little
-    rest = (samples - amplitude * np.cos(phase)) / envelope
+    beside = samples - amplitude * np.cos(phase)
+    # what the sensor shows at zero does not fall with the envelope: over it, it would be bent where that falls fast
+    rest = (beside - float(np.median(beside[keep][good]))) / envelope
     passed = convolved(rest * np.exp(-1j * np.outer(orders, s.carrier)), kernel)
     u = stretch.low_pass(passed)[:, good] * envelope[keep][good]
     u *= np.exp(-1j * np.outer(orders, (phase - s.carrier)[keep][good])) * np.where(orders == 0, 1.0, 2.0)[:, None]

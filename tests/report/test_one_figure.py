@@ -92,6 +92,24 @@ def test_the_hilbert_page_terminal_and_json_have_the_same_figures(identification
     assert times in row.group(1)
 
 
+def test_a_hilbert_page_says_first_that_no_error_would_hold():
+    t, omega, most = np.arange(6000) / 1000.0, 80.0, 8e-3
+    noise = 1e-6 * np.random.default_rng(0).standard_normal(t.size)
+    envelope = most * np.exp(-0.5 * t)
+    for drag, warned in ((5.0, True), (0.0, False)):  # drag by the square of the speed, in its closed form
+        x = envelope / (1 + 4 * drag * omega * most * t / (3 * np.pi)) * np.cos(omega * t) + noise
+        recordings = [Recording("decay.csv", 1000.0, x)]
+        analysis = hilbert_analysis(recordings)
+        assert analysis.freevib is not None
+        lead, _, rest = hilbert_page(analysis, recordings).html.partition("<h2>")
+        assert ('<p class="warn">' in lead) is warned
+        assert (f"{times_text(analysis.freevib.over_noise)} times the noise of FREEVIB" in lead) is warned
+        assert "dashpot identify decay.csv -o rig.yaml" in lead
+        table = rest.partition("</table>")[0]
+        assert ("±" in table) is not warned
+        assert "∞" not in rest
+
+
 def test_the_first_thing_that_a_page_says_is_that_more_than_noise_is_left():
     lead = identification_page(dragged(), files=("rig.yaml",)).html.partition("<h2>")[0]
     assert '<p class="warn">' in lead

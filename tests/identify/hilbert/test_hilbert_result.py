@@ -120,6 +120,39 @@ def test_each_law_by_itself(found: HilbertAnalysis):
     assert fit.damping.misfit < 4
 
 
+def falling(drag: float, noise: float = 1e-6) -> Recording:
+    """A sine whose envelope drag by the square of the speed takes down, A0 / (1 + 4 drag omega A0 t / (3 pi))."""
+    t, omega, most = np.arange(6000) / 1000.0, 80.0, 8e-3
+    a = most / (1 + 4 * drag * omega * most * t / (3 * np.pi)) * np.exp(-0.5 * t)
+    return Recording("decay", 1000.0, a * np.cos(omega * t) + noise * np.random.default_rng(0).standard_normal(t.size))
+
+
+def test_errors_that_would_not_hold_are_not_stated():
+    given = [falling(5.0)]
+    analysis = hilbert_analysis(given)
+    fit = analysis.freevib
+    assert fit is not None
+    assert fit.over_noise > 3.0
+    assert not fit.has_errors
+    assert abs(fit.values["viscous"] - 1.0) > 0.3  # which no error could have said
+    assert all(
+        p["std"] is None for law in as_json(analysis, given)["freevib"]["laws"][2:] for p in law["parameters"].values()
+    )
+    words = describe(analysis, given)
+    assert "±" not in words
+    assert "no error would hold, and none is stated" in words
+
+
+def test_errors_that_hold_are_stated():
+    given = [falling(0.0)]
+    analysis = hilbert_analysis(given)
+    fit = analysis.freevib
+    assert fit is not None
+    assert fit.has_errors
+    assert abs(fit.values["viscous"] - 1.0) < 3 * fit.stds["viscous"] < 0.01
+    assert "none is stated" not in describe(analysis, given)
+
+
 def test_curves_lie_on_the_laws(found: HilbertAnalysis):
     for curve in found.curves:
         a = curve.amplitude

@@ -9,7 +9,7 @@ from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import hilbert_analysis
-from dashpot.identify.hilbert.mass_by_laws import driven_mass, rung_in
+from dashpot.identify.hilbert.mass_by_laws import driven_mass, mass_beside_harmonics, rung_in
 from dashpot.identify.hilbert.modal_fit import spring_and_friction
 from dashpot.identify.hilbert.modal_mass import mass_fit
 from dashpot.identify.hilbert.modal_stretch import Stretch, forced_stretch
@@ -19,12 +19,14 @@ from dashpot.recording import Recording
 FS = 1000.0
 
 
-def swept(first: float, last: float, seconds: float, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and force of the built-in stand from rest, with its noises."""
+def swept(
+    first: float, last: float, seconds: float, seed: int = 1, values: dict[str, float] = TRUTH
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and force of the built-in stand, or one of these values, from rest, with the stand's noises."""
     n = round(seconds * FS)
     pieces = chirp(1.0, first, (last - first) / seconds, np.arange(n) / FS, 1 / FS)
     noise = np.random.default_rng(seed)
-    x = integrate_pieces(TRUTH, pieces[:-1], 1 / FS)[0][:n] + 1e-6 * noise.standard_normal(n)
+    x = integrate_pieces(values, pieces[:-1], 1 / FS)[0][:n] + 1e-6 * noise.standard_normal(n)
     return x, pieces[:, 0] + 1e-3 * noise.standard_normal(n)
 
 
@@ -48,6 +50,17 @@ def test_through_the_resonance_no_law_is_asked_for():
     assert abs(found.mass.inverse - 1 / TRUTH["mass"]) < 3 * found.mass.std
 
 
+def test_friction_and_preload_do_not_bend_the_mass():
+    """Their harmonics meet the rig differently below and above its resonance, where the amplitude is the same."""
+    rough = {**TRUTH, "dry": 0.2, "preload": 0.2}
+    for seed in (1, 2):
+        stretch = stretch_of(*swept(7.0, 18.0, 12.0, seed, rough))
+        alone, beside = mass_fit(stretch), mass_beside_harmonics(stretch)
+        assert abs(alone.inverse * TRUTH["mass"] - 1) > 5 * alone.std * TRUTH["mass"]
+        assert abs(beside.inverse * TRUTH["mass"] - 1) < 3 * beside.std * TRUTH["mass"]
+        assert beside.std < 2 * alone.std
+
+
 def test_far_below_it_the_mass_is_told_with_a_large_error_or_not_at_all():
     said = []
     for seed in (1, 2):
@@ -68,8 +81,8 @@ def test_a_sweep_that_leaves_the_rig_ringing_says_so_and_how_fast_it_may_be(seco
     assert fit is not None
     assert fit.misfit > 4
     assert any("sweep no faster than 2." in note for note in analysis.notes)  # 2.5² / pi Hz/s
-    for name, value in fit.values.items():
-        assert abs(value - TRUTH[name]) < 4 * fit.stds[name], name
+    assert not fit.has_errors
+    assert all(np.isinf(std) for std in (*fit.stds.values(), *fit.derived_std.values()))
     assert abs(fit.values["mass"] / TRUTH["mass"] - 1) < 1e-3
 
 

@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from dashpot.examples.truth import TRUTH
+from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import hilbert_analysis
 from dashpot.identify.hilbert.within_the_cycle import WithinTheCycle
 from dashpot.recording import Recording
@@ -93,3 +95,25 @@ def test_noise_makes_no_harmonics():
     x = 0.01 * np.exp(-time) * np.cos(2 * np.pi * 10 * time) + 2e-5 * np.random.default_rng(1).standard_normal(6000)
     _, _, cycle = within(Recording("linear", 1000.0, x))
     assert np.count_nonzero(np.any(cycle.harmonics != 0, axis=1)) <= 1
+
+
+@pytest.mark.parametrize("offset", [-6e-4, 9e-4])
+def test_where_friction_holds_the_mass_is_no_asymmetry(offset):
+    """A rig that friction stops off its middle, under a sensor that shows something there: both sides are alike."""
+    rig = {**TRUTH, "viscous": 2.0, "dry": 0.19}
+    recording = recording_of(rig, begin=(8e-3, 0.0), fs=1000.0, seconds=5.0, noise=NOISE, offset=offset)
+    rest = float(np.mean(recording.response[-500:])) - offset
+    assert abs(rest) > 3e-6  # friction holds it off its middle
+    amplitude, _, cycle = within(recording)
+    assert not np.any(cycle.harmonics[np.array(cycle.orders) % 2 == 0])
+    np.testing.assert_array_less(np.abs(cycle.peaks[0] - cycle.peaks[1]), 1e-12 + 1e-9 * amplitude)
+
+
+def test_a_centre_that_friction_could_hold_counts_where_an_even_harmonic_does():
+    squared, bend = (2 * np.pi / PERIOD) ** 2, 2e4
+    (curve,) = hilbert_analysis([decay_of(lambda x: squared * x + bend * x**2)]).curves
+    assert curve.within is not None
+    assert np.all(curve.within.harmonics[curve.within.orders.index(2)] != 0)
+    centre = curve.within.harmonics[curve.within.orders.index(0)].real
+    large = curve.amplitude > 3e-3
+    np.testing.assert_allclose(centre[large], (-bend * curve.amplitude**2 / (2 * squared))[large], rtol=0.1)
