@@ -7,6 +7,7 @@ import json
 import logging
 import os
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,8 @@ from typing import Any
 import click
 
 from ..errors import BadInput, printable
-from .waiting import another_shows, doing, silence
+from .time_to_go import Reached, in_words
+from .waiting import counted, doing, silence
 
 _QUIET, _VERBOSE = "dashpot.quiet", "dashpot.verbose"
 
@@ -142,18 +144,19 @@ def progress_shown() -> Iterator[Callable[[str, float], None]]:
     if quiet():
         yield lambda _what, _part: None
     elif sys.stderr.isatty() and not verbose():
-        bar: Any = click.progressbar(
-            length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or "")
-        )
-        with another_shows(), bar:
-            yield lambda what, part: bar.update(max(0, round(1000 * part) - bar.pos), what)
+        with counted():
+            yield doing
     else:
-        said: list[str] = []
+        said: set[tuple[int, str]] = set()
+        begun = time.monotonic()
 
         def stage(what: str, part: float) -> None:
-            line = f"{round(100 * part):3d} % {what}"
-            if not said or said[-1] != line:
-                said.append(line)
-                say(line)
+            done = round(100 * part)
+            if (done, what) in said:
+                return
+            said.add((done, what))
+            seconds = time.monotonic() - begun
+            left = in_words(Reached(part, seconds).to_go(seconds)) if done < 100 else ""
+            say(f"{done:3d} % {what}{f', {left}' if left else ''}")
 
         yield stage

@@ -30,7 +30,7 @@ from .search.found import Found
 from .search.search import Search
 from .simplify import simplify
 from .tell import tell
-from .time_allowed import TimeAllowed
+from .time_allowed import SEARCHED, TimeAllowed
 
 _log = logging.getLogger(__name__)
 
@@ -135,5 +135,7 @@ def find(case: Case, progress: Progress, until: float = math.inf, before: Found 
     family, data, holdout = first_fit(case.data, case.judged, case.family.model)
     # what a sensor shows at zero is no physics of the rig
     laws = [law for law in KNOWN.values() if law.effect != _SENSOR_OFFSET]
-    search = Search(data, holdout, laws, lambda what, part: progress(what, 0.05 + 0.8 * part), until, before)
+    search = Search(
+        data, holdout, laws, lambda what, part: progress(what, 0.05 + (SEARCHED - 0.05) * part), until, before
+    )
     return search.find(family)

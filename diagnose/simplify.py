@@ -50,7 +50,7 @@ from .search.measure import Measure
 from .search.race import PATIENCE, Entry, continued, race, started
 from .search.starts import handed_down
 from .search.weigh import forget, judged
-from .time_allowed import SEARCHED, TimeAllowed
+from .time_allowed import SEARCHED, TimeAllowed, part_at
 
 #: Standard errors within which the share ``GROUP`` of what is none comes out.
 _TOLD = -NormalDist().inv_cdf((1 - GROUP) / 2)
@@ -68,7 +68,7 @@ def simplify(case: Case, found: Found, progress: Progress, allowed: TimeAllowed)
         progress: called with what is being done and how much of all is done.
         allowed: what the whole may take: without time left, the rivals are compared as far as they came.
     """
-    progress("rivals of what was found", SEARCHED)
+    progress("rivals of what was found", part_at(SEARCHED, bool(found.selected.laws)))
     found = with_most_probable(with_rivals_fitted(found, lambda: allowed.checking))
     weighing, several = found.weighing, len(found.selected.laws) > 1
     if weighing.data.memory == FREE and several and not leaves_mismatch(found.selected, weighing.parts):

@@ -34,7 +34,7 @@ from .search.residual_test import Leftover, leftovers, nearer
 from .search.residual_test import sentence as remainder_sentence
 from .search.weigh import judged
 from .simplify import of_unknown_size
-from .time_allowed import TimeAllowed
+from .time_allowed import DELIVERED, REFITTED, TRIED, TimeAllowed, part_at
 from .verdict import explained_share, sentence_of, verdict_of
 
 _log = logging.getLogger(__name__)
@@ -67,16 +67,17 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
         progress: called with what is being done and how much of all is done.
         allowed: what the whole may take: without time left, the hold of the force is not asked anew.
     """
+    missing = bool(found.selected.laws)
     case, left = _without_offsets(case, found)
     other_rig = stranger(found.fitted, found.weighing.data, found.weighing.holdout, left.after)
     if other_rig:
         case = case.noted(other_rig)
-    progress("standard errors", 0.86)
+    progress("standard errors", part_at(REFITTED, missing))
     before, _ = with_errors(found.family, case.model, case.recordings, found.family_memory)
     after = None
     if found.selected.laws and not other_rig:
         case, left, after = _delivered(case, found, left, before, allowed)
-    progress("the mended model on every recording, as an FMU on those held out", 0.9)
+    progress("the mended model on every recording, as an FMU on those held out", part_at(DELIVERED, missing))
     case, after, records = _tried(case, found, left, (before, after), fmu, progress)
     for record in records:
         _log.info("%s: NRMSE %.4g before, %.4g after", record.file, record.nrmse_before, record.nrmse_after)
@@ -93,7 +94,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
         # a fit to a part of what there is is held against the rest, and no reason to leave that of all
         kept = case.model if identified_from(case.model, case.given) else case.family.model
     verdict = verdict_of(after, remainder, records)
-    progress("where, and what to record next", 0.95)
+    progress("where, and what to record next", part_at(TRIED, missing))
     nothing = verdict == "consistent" and remainder is None
     location = None if nothing else locate(left.family, left.data, records)
     latent = () if nothing else latent_forces(left.family, left.data, after)
@@ -187,7 +188,7 @@ def _tried(
             note = f"the most probable structure ({found.selected.name}) {why}: no effect is named"
             return case.noted(note), None, [unmended(record) for record in records]
         if case.in_pieces and case.holdout:
-            progress("the mended model, fitted to what was held out too", 0.93)
+            progress("the mended model, fitted to what was held out too", DELIVERED)
             free = named(found.fitted, found.selected.laws).free
             fixed = [name for name in after.parameters() if name not in free]
             if whole := fitted_to_all(after, case.uncut, fixed):

@@ -14,7 +14,19 @@ _CHECKING = budget(
     0.65, "part of the time", why="after which rivals are fitted no farther and the hold is not asked anew"
 )
 
-SEARCHED = shown(0.85, "part of all", why="that is done once the search is")
+SEARCHED = shown(0.65, "part of all", why="that is done once the search is: of ten diagnoses 52 to 83 % of their work")
+REFITTED = shown(0.68, "part of all", why="that is done once rivals are fitted as finely")
+DELIVERED = shown(0.71, "part of all", why="that is done once the standard errors are known")
+TRIED = shown(0.74, "part of all", why="that is done once the FMU was run; rehearsed experiments take most of the rest")
+#: The same where nothing was found to be missing: no rivals, no place, and no experiment that would tell them apart.
+_OF_NOTHING = shown(
+    {SEARCHED: 0.82, REFITTED: 0.88, DELIVERED: 0.93, TRIED: 0.98}, "part of all", why="that is done where nothing is"
+)
+
+
+def part_at(step: float, found: bool) -> float:
+    """The part of all that is done at a step (``SEARCHED`` to ``TRIED``), for the laws that were ``found`` or none."""
+    return step if found else _OF_NOTHING[step]
 
 
 @dataclass(frozen=True)
@@ -48,9 +60,9 @@ class TimeAllowed:
 
         def said(what: str, part: float) -> None:
             nonlocal reached
-            timed = (time.monotonic() - self.begun) / self.seconds
+            timed = (time.monotonic() - self.begun) / (_SEARCHING * self.seconds)
             if self.seconds < math.inf and part < SEARCHED:
-                part = min(timed, SEARCHED)
+                part = min(timed, 1.0) * SEARCHED
             reached = max(reached, part)
             progress(what, reached)
 

@@ -49,12 +49,27 @@ def test_a_long_wait_is_told_and_goes_before_other_words(monkeypatch):
         print("note: something", file=sys.stderr)
         before, _, after = terminal.getvalue().partition("note: something")
         assert before.endswith("\r\x1b[K")
-        with waiting.another_shows():
-            length = len(terminal.getvalue())
-            assert not terminal.waits_for("… maximum likelihood (never)").wait(0.1)
-            assert len(terminal.getvalue()) == length
     assert terminal.getvalue().endswith("\r\x1b[K") or after == "\n"
     assert sys.stderr is terminal
+
+
+def test_a_work_whose_parts_are_known_has_a_bar_with_the_time_to_go(monkeypatch):
+    terminal = terminal_of(monkeypatch)
+    now = [1000.0]
+    monkeypatch.setattr(waiting.time, "monotonic", lambda: now[0])
+    with waiting.waiting_shown():
+        half = terminal.waits_for("[##########..........] 50 % a law (30 s, about 30 s to go)")
+        later = terminal.waits_for("50 % another law (40 s, about 20 s to go)")
+        after = terminal.waits_for("… something else (")
+        with waiting.counted():
+            now[0] = 1030.0
+            waiting.doing("a law", 0.5)
+            assert half.wait(20)
+            now[0] = 1040.0
+            waiting.doing("another law", 0.4)  # it never goes back
+            assert later.wait(20)
+        waiting.doing("something else")
+        assert after.wait(20)
 
 
 def test_a_result_on_stdout_takes_the_line_away(monkeypatch):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from dashpot.diagnose import time_allowed
-from dashpot.diagnose.time_allowed import TimeAllowed
+from dashpot.diagnose.time_allowed import DELIVERED, REFITTED, SEARCHED, TRIED, TimeAllowed, part_at
 
 
 @pytest.mark.parametrize(
@@ -27,10 +27,15 @@ def test_progress_never_goes_back_and_a_search_has_its_part_of_the_time(monkeypa
     monkeypatch.setattr(time_allowed.time, "monotonic", lambda: now[0])
     said: list[float] = []
     progress = TimeAllowed(100.0, begun=1000.0).forward(lambda _what, part: said.append(part))
-    for seconds, part in [(0.0, 0.05), (10.0, 0.8), (20.0, 0.1), (30.0, 0.85), (40.0, 0.86), (50.0, 1.0)]:
+    for seconds, part in [(0.0, 0.05), (10.0, 0.6), (20.0, 0.1), (60.0, 0.3), (61.0, REFITTED), (90.0, 1.0)]:
         now[0] = 1000.0 + seconds
         progress("asked", part)
-    assert said == pytest.approx([0.0, 0.1, 0.2, 0.85, 0.86, 1.0])
+    assert said == pytest.approx([0.0, 0.2 * SEARCHED, 0.4 * SEARCHED, SEARCHED, REFITTED, 1.0])
+    assert SEARCHED < REFITTED < DELIVERED < TRIED < 1.0
+    steps = [part_at(step, False) for step in (SEARCHED, REFITTED, DELIVERED, TRIED)]
+    assert steps == sorted(steps)
+    assert part_at(SEARCHED, True) == SEARCHED < steps[0]
+    assert steps[-1] < 1.0
 
 
 def test_without_a_limit_progress_is_what_is_done(monkeypatch):
