@@ -56,14 +56,19 @@ def hilbert_page(
     ]
     count = {name: len(analysis.of(method)) for method, name in _NAMES.items()}
     lead = Text(
-        f"{count['FREEVIB']} free decays by FREEVIB, {count['FORCEVIB']} driven stretches by FORCEVIB. All numbers "
-        "here are those of the Hilbert transform alone; dashpot identify fits the motion itself."
+        f"{_so_many(count['FREEVIB'], 'free decay')} by FREEVIB, {_so_many(count['FORCEVIB'], 'driven stretch')} by "
+        "FORCEVIB. All numbers here are those of the Hilbert transform alone; dashpot identify fits the motion itself."
     )
     names = dict.fromkeys(r.name.partition("#")[0] for r in recordings)
     how = "Next, the model that fits the motion itself (with the options that the recordings were read with):"
     again = Code(how, f"dashpot identify {shlex.join(names)} -o rig.yaml --report rig.html")
     blocks = [*_warning(analysis), lead, again]
     return Page("Hilbert analysis", sections, lead=blocks, footer=f"Made by dashpot {__version__}.")
+
+
+def _so_many(count: int, what: str) -> str:
+    plural = f"{what}{'es' if what.endswith('ch') else 's'}"
+    return f"{count} {what if count == 1 else plural}"
 
 
 def _warning(analysis: HilbertAnalysis) -> list[Text]:

@@ -101,5 +101,7 @@ def _cell(value: float | None, std: float | None) -> str | Cell:
 
 
 def _text(value: float, std: float | None) -> str:
-    shown, error = value_text(Parameter(value, std if std is not None and math.isfinite(std) else None, ""))
+    if std is None or not math.isfinite(std):  # no error says how many digits count
+        return number(value, 4)
+    shown, error = value_text(Parameter(value, std, ""))
     return f"{shown} ± {error}" if error else shown
