@@ -19,7 +19,7 @@ from ..files.reading import content_of
 from .store import FLEET, FORMAT
 
 if TYPE_CHECKING:
-    from ..model.yaml_loader import Document
+    from ..files.yaml_loader import Document
     from .schema import ManifestForm, OptionsForm, RigForm
 
 _MOST_BYTES = 4_000_000
@@ -75,7 +75,7 @@ def read_manifest(path: Path) -> Manifest:
     Raises:
         BadInput: it cannot be read or is none; one line a problem, ``file: line N: $.path: what is wrong``.
     """
-    from ..model.yaml_loader import read_yaml
+    from ..files.yaml_loader import read_yaml
     from .schema import checked
 
     try:

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import ErrorDetails
 
+from ..files.yaml_loader import Document, Path
 from ..model.consistency import shown, suggestion
 from ..model.form import Form, filled, of_format, printable
-from ..model.yaml_loader import Document, Path
 
 FORMAT = "dashpot-fleet/1"
 

@@ -11,12 +11,12 @@ from collections.abc import Iterable
 from typing import Any
 
 from ..errors import BadInput
+from ..files.yaml_loader import Document, Path
 from . import units
 from .law import Law, LawParameter
 from .laws import BASE
 from .library import find
 from .oscillator import MASS_UNIT, QUANTITIES, Response
-from .yaml_loader import Document, Path
 
 _EXAMPLE = "{value: 1.0, std: null, unit: m/s2}"
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 
 from ..errors import BadInput
+from ..files.yaml_loader import Document
 from . import units
 from .consistency import suggestion
 from .dependence import FORMS, Dependence, own_unit, possible
@@ -15,7 +16,6 @@ from .file import flow, number_text, parameter_of, scalar_text
 from .form import Form, printable
 from .limits import MOST
 from .schema import ParameterForm
-from .yaml_loader import Document
 
 _Number = Annotated[float, Field(ge=-MOST, le=MOST)]
 _Unit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(printable)]

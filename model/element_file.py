@@ -12,6 +12,8 @@ from pydantic_core import ErrorDetails
 
 from ..errors import BadInput
 from ..files.writing import write
+from ..files.yaml_loader import Document, read_yaml
+from ..files.yaml_loader import Path as Place
 from . import units
 from .consistency import covariance_problem, shown, suggestion
 from .dependence_file import ChannelForm, channel_lines, check_channels, dependence_of
@@ -33,8 +35,6 @@ from .library import find
 from .oscillator import Term
 from .schema import ELEMENT as FORMAT
 from .schema import IdentifiedForm, ParameterForm, RangeForm, TermForm, sentence_of
-from .yaml_loader import Document, read_yaml
-from .yaml_loader import Path as Place
 
 if TYPE_CHECKING:
     from .law import Law

@@ -53,9 +53,9 @@ def text_at(path: str | os.PathLike[str]) -> str:
 
 def loads(text: str, where: str = "model") -> Oscillator:
     """The oscillator in the text of a model file; ``where`` names it in messages. Raises BadInput as ``load``."""
+    from ..files.yaml_loader import read_yaml
     from .consistency import free_names
     from .schema import checked
-    from .yaml_loader import read_yaml
 
     document = read_yaml(text, where)
     return _oscillator(checked(document), free_names(document.data))
@@ -175,7 +175,7 @@ def number_text(value: float) -> str:
 
 def scalar_text(value: str) -> str:
     """Text as a YAML scalar: plain where no reader can take it for anything else, quoted otherwise."""
-    from .yaml_loader import is_text
+    from ..files.yaml_loader import is_text
 
     clean = "".join(c if c.isprintable() else "\ufffd" for c in value)
     if _PLAIN.fullmatch(clean) and is_text(clean):

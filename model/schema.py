@@ -12,10 +12,10 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from ..files.yaml_loader import Document, Path
 from .consistency import Meaning, shown, suggestion
 from .form import Form, filled, of_format, printable
 from .limits import LEAST, LONGEST_NAME, MOST
-from .yaml_loader import Document, Path
 
 FORMAT = "dashpot-model/1"
 #: What the file of an ``Element`` says.

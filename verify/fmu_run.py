@@ -16,9 +16,9 @@ import numpy as np
 
 from ..errors import BadInput
 from ..export.description import OWN
+from ..files.yaml_loader import MAX_CHARACTERS, read_yaml
 from ..model.law import InnerState
 from ..model.oscillator import HOLDS
-from ..model.yaml_loader import MAX_CHARACTERS, read_yaml
 from ..recording.recording import Recording
 from ..simulate.force import Force
 from ..simulate.imposed import spline_of

@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import BadInput
+from ..files.yaml_loader import MAX_CHARACTERS
 from ..identify.problem.replay import Replay, natural_frequency
 from ..model import Oscillator
 from ..model.element import Element
 from ..model.element_file import load_element
 from ..model.file import load
 from ..model.oscillator import QUANTITIES
-from ..model.yaml_loader import MAX_CHARACTERS
 from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
 from ..simulate.force import Force

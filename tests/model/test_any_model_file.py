@@ -8,9 +8,9 @@ import random
 import re
 
 import pytest
+from dashpot.files.yaml_loader import read_yaml
 from dashpot.model.file import dumps, load, loads
 from dashpot.model.show import as_json, describe
-from dashpot.model.yaml_loader import read_yaml
 from hypothesis import strategies as st
 
 GOOD = """\
