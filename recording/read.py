@@ -19,6 +19,7 @@ from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
 from .fact import changed
 from .formats import read_tables
+from .formats.bag import storage_of
 from .objects import tables_of_object
 from .part import cut_out, rows_of
 from .recording import QUANTITIES, THROUGH, Recording
@@ -69,6 +70,7 @@ def from_data(data: Any, *, name: str = "recording", **options: Any) -> Recordin
 def tables_at(path: str | Path, max_size: float = MOST_MB) -> tuple[str, list[Table]]:
     """The SHA-256 of a file, and the tables of its records, or of the one that is named behind #; raises BadInput."""
     file, record = parse_address(path)
+    file = storage_of(file)
     content = content_of(file, max_size)
     tables = addressed(file.name, read_tables(file.name, content, max_size), record)
     return hashlib.sha256(content).hexdigest(), tables

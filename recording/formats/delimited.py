@@ -14,6 +14,7 @@ import numpy as np
 from ...errors import BadInput
 from ..content import MOST_MB, unpacked
 from ..table import Table
+from .loggers import header_of
 from .preamble import below_preamble, is_unit_row
 
 _COMMENT = ("#", "%")
@@ -66,7 +67,8 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
     if not lines:
         raise BadInput(f"{where} has a header and no rows of numbers below it; write one row for each sample")
     width = len(_cells(lines[0][1], delimiter))
-    if not header:
+    commented = not header
+    if commented:
         header = _commented_header([line for i, line in numbered if i < lines[0][0]], delimiter, width)
     while len(header) > width and not header[-1]:
         header.pop()
@@ -77,12 +79,12 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
         )
     _reject_unequal_rows(where, lines, delimiter, width)
     names = tuple(header) or ("",) * width
-    units = tuple([*units, *[""] * width][:width])
+    known = header_of(where, names, [*units, *[""] * width][:width], commented=commented)
 
     def numbers(indices: Sequence[int]) -> np.ndarray:
-        return _numbers(where, lines, delimiter, numerals, names, indices)
+        return _numbers(where, lines, delimiter, numerals, names, [known.taken[i] for i in indices])
 
-    return Table(where, names, units, numbers)
+    return Table(where, known.names, known.units, numbers, notes=known.notes)
 
 
 def _logical(lines: list[str]) -> list[tuple[int, str]]:
@@ -258,7 +260,7 @@ def _numbers(
 
 _DAY = 86400.0
 _STAMP = re.compile(
-    r"(?:\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[T\s]\s*)?(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d*)?)\s*([AaPp][Mm])?"
+    r"(?:\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[T\s]\s*)?(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d*|:\d{3})?)\s*([AaPp][Mm])?"
     r"\s*(?:Z|UTC|[+-]\d{2}:?\d{2})?"
 )
 
@@ -274,7 +276,7 @@ def seconds_of(cells: Sequence[str]) -> np.ndarray | None:
     for match in found:
         if match is None:
             return None
-        hours, minutes, seconds = int(match[1]), int(match[2]), float(match[3].replace(",", "."))
+        hours, minutes, seconds = int(match[1]), int(match[2]), float(match[3].replace(",", ".").replace(":", "."))
         if match[4]:
             hours = hours % 12 + (12 if match[4].lower() == "pm" else 0)
         if hours > 23 or minutes > 59 or seconds >= 61:

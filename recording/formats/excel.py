@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +12,7 @@ from ..content import too_large
 from ..table import Table
 from .archive import opened
 from .delimited import read_delimited
+from .loggers import is_remark
 
 
 def read_tables(where: str, content: bytes, most: float) -> list[Table]:
@@ -28,8 +30,13 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     hidden = [sheet.title for sheet in book.worksheets if sheet.sheet_state != "visible"]
     for sheet in book.worksheets:
         sheet.reset_dimensions()  # what the sheet declares may be a million empty rows
-        texts[sheet.title] = _text(where, sheet, most)
-    texts = {title: text for title, text in texts.items() if text}
+        texts[sheet.title] = text_of_rows(where, sheet.iter_rows(values_only=True), most)
+    return tables_of_sheets(where, texts, hidden, most)
+
+
+def tables_of_sheets(where: str, texts: Mapping[str, str], hidden: Sequence[str], most: float) -> list[Table]:
+    """The records of sheets, by their titles, each as the text that it would be; raises BadInput where none is one."""
+    texts = {title: text for title, text in texts.items() if text and not is_remark(title)}
     tables, problems = [], []
     for title, text in texts.items():
         name = f"{where}#{title}" if len(texts) > 1 else where
@@ -45,10 +52,11 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     return tables
 
 
-def _text(where: str, sheet: Any, most: float) -> str:
+def text_of_rows(where: str, rows: Iterable[Sequence[Any]], most: float) -> str:
+    """The rows of a sheet as text; raises BadInput for more than ``most`` MB of it."""
     lines: list[str] = []
     size = 0
-    for row in sheet.iter_rows(values_only=True):
+    for row in rows:
         cells = ["" if value is None else " ".join(str(value).split()) for value in row]
         while cells and not cells[-1]:
             cells.pop()
