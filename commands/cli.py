@@ -237,7 +237,7 @@ def identify(
     """
     from ..export import SUFFIXES
     from ..face.added import identified_with_added
-    from ..face.workflow import identified, write_identification
+    from ..face.workflow import identified, prescribed_beside, write_identification
     from ..model.fit_state import beyond, faults_of_recordings, left_over
     from ..model.show import as_json as model_json
     from ..model.show import describe
@@ -247,7 +247,7 @@ def identify(
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
         )
-    if options["prescribed"] is not None:
+    if prescribed_beside(recordings, options["prescribed"]) is not None:
         unusable = {"--fix": fix, "--mass": mass, "--from": start, "--mode": mode, "--faults": faults}
         unusable |= {"--add-mass": add_mass, "--add-stiffness": add_stiffness}
         element_commands.identify(
@@ -266,7 +266,8 @@ def identify(
     with_added = partial(identified_with_added, masses=add_mass, stiffnesses=add_stiffness)
     identification = (with_added if add_mass or add_stiffness else identified)(
         lambda: read_all(recordings, options, say),
-        name=name or output.stem,
+        name=name,
+        otherwise=output.stem,
         laws=effects,
         fixed=fix,
         mass=mass,

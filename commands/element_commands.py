@@ -42,7 +42,12 @@ def identify(
                 f"{option} is of an oscillator, and --prescribed of the law by itself; leave one of them out"
             )
     fit = identified_element(
-        lambda: read_all(recordings, options, say), name=name or output.stem, laws=laws, every=every, notes=say
+        lambda: read_all(recordings, options, say),
+        name=name,
+        otherwise=output.stem,
+        laws=laws,
+        every=every,
+        notes=say,
     )
     said = {note for recording in fit.recordings for note in recording.notes}  # while they were read
     for note in fit.notes:

@@ -85,6 +85,11 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
     click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
     click.option(
+        "--amplitude",
+        metavar="[FROM..]TO",
+        help="Amplitudes of the motion to use, such as 5mm (up to that), 1mm..5mm or 1mm.. (from that on).",
+    ),
+    click.option(
         "--max-size",
         type=Above(1e6),
         default=500.0,

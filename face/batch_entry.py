@@ -27,7 +27,7 @@ from ..fleet.outcome import Outcome
 from ..fleet.store import Busy, Store
 from . import batch_element
 from .row import curve_of, page_or_why, parameters_of, picture_of
-from .workflow import diagnosed, identified, page_of_diagnosis, read_all
+from .workflow import diagnosed, identified, page_of_diagnosis, prescribed_beside, read_all
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -43,6 +43,7 @@ _READ = {"max_size": 500.0, "calibration": {}} | dict.fromkeys(
         "force_unit",
         "fs",
         "part",
+        "amplitude",
         "hold",
         "base",
         "relative",
@@ -143,6 +144,11 @@ def _recordings(entry: Entry, say: Callable[[str], None], *, held_out: bool = Fa
     return read_all(tuple(map(Path, files)), options, say)
 
 
+def _prescribed(entry: Entry) -> bool:
+    """Whether the motion of an entry was imposed, as the manifest or a file beside its recordings says."""
+    return prescribed_beside([Path(file) for file in entry.recordings], entry.reading.get("prescribed")) is not None
+
+
 def _with_laws(entry: Entry) -> None:
     from ..model.user_laws import load_law_file
 
@@ -163,7 +169,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     def read() -> list[Recording]:
         return _recordings(entry, said.append)
 
-    if entry.reading.get("prescribed"):
+    if _prescribed(entry):
         return batch_element.identified(entry, key, read, said, model=MODEL, report=REPORT)
     found = identified(
         read,
@@ -221,7 +227,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
     _with_laws(entry)
     said: list[str] = []
     training, held = (_recordings(entry, said.append, held_out=held_out) for held_out in (False, True))
-    if entry.reading.get("prescribed"):
+    if _prescribed(entry):
         return batch_element.diagnosed(entry, before, training, held)
     model = load(place / MODEL)
     found, fmu = diagnosed(model, training, held, mode=entry.how["mode"], notes=said.append)

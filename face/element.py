@@ -17,7 +17,7 @@ from ..errors import BadInput
 from ..files.arguments import path_of
 from ..model.element import Element
 from ..recording import Reading, Recording, recordings_of
-from .workflow import FIGURES, Say, seconds_allowed, silent, write_figures
+from .workflow import FIGURES, Say, rig_of, seconds_allowed, silent, write_figures
 
 if TYPE_CHECKING:
     from ..model.oscillator import Oscillator
@@ -303,9 +303,18 @@ def as_json(element: Element) -> dict[str, Any]:
 
 
 def identified_element(
-    read: Callable[[], Sequence[Recording]], *, name: str | None, laws: Sequence[str], every: bool, notes: Say = silent
+    read: Callable[[], Sequence[Recording]],
+    *,
+    name: str | None,
+    laws: Sequence[str],
+    every: bool,
+    notes: Say = silent,
+    otherwise: str = "",
 ) -> ElementFit:
-    """Identify an element; for arguments and errors see ``prescribed.element_fit.identify_element``."""
+    """Identify an element, called ``otherwise`` where nobody says how.
+
+    For arguments and errors see ``prescribed.element_fit.identify_element``.
+    """
     from ..model.file import check_name
     from ..prescribed.element_fit import identify_element
 
@@ -314,7 +323,7 @@ def identified_element(
     recordings = read()
     notes("least squares along the motion")
     stem = Path(recordings[0].name.partition("#")[0]).name.partition(".")[0] or "element"
-    return identify_element(recordings, name=name or stem, laws=laws, every=every)
+    return identify_element(recordings, name=name or rig_of(recordings) or otherwise or stem, laws=laws, every=every)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ _MARKS = {"free": "━", "struck": "╍", "driven": "┄"}  # under it, where a 
 _NAMED = 4  # pieces of a kind are named with their times
 _OPTIONS = (
     *("time", "force", "quantity", "unit", "force_unit", "calibration"),
-    *("fs", "hold", "base", "relative", "through", "prescribed"),
+    *("fs", "hold", "base", "relative", "through", "prescribed", "amplitude"),
 )
 
 
@@ -36,11 +36,12 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[dict[st
     Raises:
         BadInput: the file is not there, or nothing in it is a record.
     """
+    from ..recording.beside import with_beside
     from ..recording.channel import sought, stated_channels
     from ..recording.columns import parse_column
     from ..recording.content import MOST_MB
     from ..recording.part import parse_part
-    from ..recording.read import recording_of, tables_at
+    from ..recording.read import parts_of, place_of, tables_at
 
     response, part = options.get("response"), options.get("part")
     how: dict[str, Any] = {name: options.get(name) for name in _OPTIONS}
@@ -48,6 +49,9 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[dict[st
     how["part"] = (parse_part(part) if isinstance(part, str) and part else part) or None
     responses: tuple[Any, ...] = (response,) if isinstance(response, str | int) else tuple(response or ())
     sha256, tables = tables_at(path, options.get("max_size", MOST_MB))
+    how["channels"] = [channel.of(place, str(path)) for channel in stated]
+    how, told = with_beside(*place_of(path), how | ({"response": responses[0]} if responses else {}))
+    said, own = how.pop("response", None), how["channels"]
     seen = []
     for table in tables:
         columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
@@ -60,12 +64,13 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[dict[st
             "fs_stated": table.fs,
             "recordings": [],
         }
-        for response in responses or (None,):
+        for response in responses or (said,):
             try:
-                own = [channel.of(place, str(path)) for channel in stated]
-                recording = recording_of(table, response=response, sha256=sha256, channels=own, **how)
+                reading = how | {"response": response, "sha256": sha256}
+                parts = told.each(lambda reading=reading, table=table: parts_of(table, reading))
                 taken = [one.index for one in sought(table, own) if one.index is not None]
-                entry["recordings"].append({"columns": _roles(table, response, how, taken), **_facts(recording)})
+                columns_taken = _roles(table, response, how, taken)
+                entry["recordings"] += [{"columns": columns_taken, **_facts(part)} for part in parts]
             except BadInput as problem:
                 entry["recordings"].append({"refused": str(problem)})
         seen.append(entry)

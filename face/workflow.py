@@ -72,10 +72,19 @@ def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Say) -> list
     return recordings
 
 
+def prescribed_beside(files: Sequence[Path], given: str | None) -> str | None:
+    """The column of a motion that was imposed: as given or, where nothing is, as a file beside the recordings says."""
+    from ..recording.beside import prescribed_beside as named_beside
+    from ..recording.read import place_of
+
+    return next((str(c) for file in files if (c := named_beside(place_of(file)[0], given)) is not None), None)
+
+
 def identified(
     read: Callable[[], Sequence[Recording]],
     *,
     name: str | None = None,
+    otherwise: str | None = None,
     laws: Sequence[str] = (),
     fixed: Mapping[str, float | str] | None = None,
     mass: float | str | None = None,
@@ -90,6 +99,7 @@ def identified(
 
     Args:
         read: gives the recordings of one rig; called when all other arguments are known to be right.
+        otherwise: name of the rig where neither ``name`` nor a file beside the recordings says one.
         notes: called with what was chosen before the fit, one sentence each.
     """
     from ..identify.identification import identify
@@ -152,7 +162,7 @@ def identified(
     ) -> Identification:
         return identify(
             given,
-            name=name or _stem(recordings),
+            name=name or rig_of(recordings) or otherwise or _stem(recordings),
             effects=[law for law in effects if law not in own],
             fixed={**kept, **known},
             start=start,
@@ -185,6 +195,11 @@ def _each_once(recordings: Sequence[Recording]) -> None:
 
     for problem in overlapping(recordings):
         raise BadInput(problem.sentence)
+
+
+def rig_of(recordings: Sequence[Recording]) -> str:
+    """The name that a file beside recordings gives their rig; "" where none does."""
+    return next((recording.rig for recording in recordings if recording.rig), "")
 
 
 def _stem(recordings: Sequence[Recording]) -> str:

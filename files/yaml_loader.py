@@ -7,8 +7,9 @@ aliases and deep nesting: a model file is data.
 
 from __future__ import annotations
 
+import difflib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -80,6 +81,25 @@ def path_text(path: Path) -> str:
 
 def _line(line: int | None) -> str:
     return "" if line is None else f"line {line}: "
+
+
+def shown(value: Any) -> str:
+    """A value as it may stand in a message."""
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list):
+        return "a list"
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """``did you mean ...?`` where something is close, else what is known."""
+    known = list(known)
+    close = difflib.get_close_matches(name[:60], known, n=3, cutoff=0.6)
+    return f"did you mean {' or '.join(close)}?" if close else f"known here: {', '.join(known) or 'nothing'}"
 
 
 class _Loader(yaml.SafeLoader):

@@ -10,8 +10,8 @@ from typing import Any
 from ..change import Life, Point, watch
 from ..errors import BadInput
 from ..files.reading import content_of
+from ..files.yaml_loader import suggestion
 from ..model import Oscillator
-from ..model.consistency import suggestion
 from ..model.element_file import is_element
 from ..model.file import load, text_at
 from .kept_files import changed_file

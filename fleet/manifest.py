@@ -29,7 +29,7 @@ _PATTERN = re.compile(r"[*?\[]")
 #: Options of the manifest that say how a recording is read, as ``recording.read`` has them.
 READING = (
     *("time", "force", "quantity", "unit", "force_unit", "calibration"),
-    *("fs", "part", "max_size", "hold", "base", "relative", "through", "prescribed", "channels"),
+    *("fs", "part", "amplitude", "max_size", "hold", "base", "relative", "through", "prescribed", "channels"),
 )
 
 

@@ -7,8 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 from pydantic_core import ErrorDetails
 
-from ..files.yaml_loader import Document, Path
-from ..model.consistency import shown, suggestion
+from ..files.yaml_loader import Document, Path, shown, suggestion
 from ..model.form import Form, filled, of_format, printable
 
 FORMAT = "dashpot-fleet/1"
@@ -31,6 +30,7 @@ class OptionsForm(Form):
     calibration: dict[str, _Word] | None = None
     fs: _Positive | None = None
     part: _Word | None = None
+    amplitude: _Word | None = None
     parts: Annotated[list[_Word], Field(min_length=1)] | None = None
     max_size: _Positive | None = Field(default=None, alias="max-size")
     hold: Literal["zero", "linear", "smooth"] | None = None

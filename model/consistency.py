@@ -6,12 +6,10 @@ learns in the same message of its wrong unit.
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
 from typing import Any
 
 from ..errors import BadInput
-from ..files.yaml_loader import Document, Path
+from ..files.yaml_loader import Document, Path, shown, suggestion
 from . import units
 from .law import Law, LawParameter
 from .laws import BASE
@@ -22,25 +20,6 @@ _EXAMPLE = "{value: 1.0, std: null, unit: m/s2}"
 
 #: Standard errors are written with four digits, and a covariance with all.
 _SAME_STD = 2e-3
-
-
-def shown(value: Any) -> str:
-    """A value as it may stand in a message."""
-    if isinstance(value, dict):
-        return "a mapping"
-    if isinstance(value, list):
-        return "a list"
-    if value is None or isinstance(value, bool):
-        return {None: "null", True: "true", False: "false"}[value]
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def suggestion(name: str, known: Iterable[str]) -> str:
-    """``did you mean ...?`` where something is close, else what is known."""
-    known = list(known)
-    close = difflib.get_close_matches(name[:60], known, n=3, cutoff=0.6)
-    return f"did you mean {' or '.join(close)}?" if close else f"known here: {', '.join(known) or 'nothing'}"
 
 
 class Meaning:

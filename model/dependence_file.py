@@ -8,9 +8,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, Field
 
 from ..errors import BadInput
-from ..files.yaml_loader import Document
+from ..files.yaml_loader import Document, suggestion
 from . import units
-from .consistency import suggestion
 from .dependence import FORMS, Dependence, own_unit, possible
 from .file import flow, number_text, parameter_of, scalar_text
 from .form import Form, printable

@@ -12,10 +12,10 @@ from pydantic_core import ErrorDetails
 
 from ..errors import BadInput
 from ..files.writing import write
-from ..files.yaml_loader import Document, read_yaml
+from ..files.yaml_loader import Document, read_yaml, shown, suggestion
 from ..files.yaml_loader import Path as Place
 from . import units
-from .consistency import covariance_problem, shown, suggestion
+from .consistency import covariance_problem
 from .dependence_file import ChannelForm, channel_lines, check_channels, dependence_of
 from .element import Element, template_of, templates
 from .file import (

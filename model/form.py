@@ -9,8 +9,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from ..errors import BadInput
-from ..files.yaml_loader import Document, Path
-from .consistency import shown
+from ..files.yaml_loader import Document, Path, shown
 
 _Filled = TypeVar("_Filled", bound="Form")
 

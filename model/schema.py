@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from ..files.yaml_loader import Document, Path
-from .consistency import Meaning, shown, suggestion
+from ..files.yaml_loader import Document, Path, shown, suggestion
+from .consistency import Meaning
 from .form import Form, filled, of_format, printable
 from .limits import LEAST, LONGEST_NAME, MOST
 

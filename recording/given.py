@@ -13,6 +13,8 @@ import numpy as np
 
 from ..errors import BadInput, TellsNothing
 from ..files.arguments import known_options, number_of, path_of, shown, text_of
+from .beside import with_beside
+from .by_amplitude import amplitudes_of
 from .channel import Channel, Stated, check_count, of_value, refuse_gaps, stated_channels
 from .checks import not_a_number, out_of_range
 from .content import MOST_MB
@@ -20,7 +22,7 @@ from .frequency import frequency_of
 from .objects import is_sep5, is_series, series_of, tables_of_object
 from .part import part_of
 from .plain_numbers import vector_of
-from .read import recording_of, tables_at
+from .read import parts_of, place_of, tables_at
 from .recording import Recording
 
 #: Lists within lists in which recordings are sought: rigs of tests of files, and as much again.
@@ -33,7 +35,9 @@ class Reading(TypedDict, total=False):
     ``time``, ``force``, ``response``: columns by name, pattern or number from 1, "none" for no force; several responses
     as a list; force, and times in s, that belong to one array as arrays (n,). ``quantity``: displacement, velocity or
     acceleration. ``unit``, ``force_unit``: such as "mm", "kN". ``calibration``: such as {"force": "22.4 N/V"}. ``fs``:
-    sampling frequency in Hz, or such as "1 kHz". ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero,
+    sampling frequency in Hz, or such as "1 kHz". ``part``: seconds to use, "2:30" or (2.0, 30.0). ``amplitude``: of the
+    motion to use, "5mm" (up to that), "1mm..5mm", "1mm..", or such in the SI unit of the response, 5e-3, (1e-3, 5e-3).
+    ``hold``: zero,
     linear or smooth. ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the
     response is relative to it; ``through``: spring or damper, whose one end the base moves. ``prescribed``: column of a
     motion that was imposed, the force being what it took. ``channels``: by name what the rig may depend on, such as
@@ -50,6 +54,7 @@ class Reading(TypedDict, total=False):
     calibration: Mapping[str, str | float] | None
     fs: float | str | None
     part: str | tuple[float, float] | None
+    amplitude: str | float | tuple[float, float] | None
     hold: str | None
     base: str | int | None
     relative: bool | None
@@ -94,12 +99,12 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
         for column in columns or [None]:
             for make in _read(one, next(number), how | {"response": column, "channels": own}):
                 try:
-                    recording = make()
+                    parts = make()
                 except TellsNothing as problem:
                     mute.append(problem)
                     continue
-                named = f"{recording.name} ({column})" if len(columns) > 1 else recording.name
-                made.append(replace(recording, name=named))
+                named = f" ({column})" if len(columns) > 1 else ""
+                made += [replace(recording, name=f"{recording.name}{named}") for recording in parts]
     if mute and not made:
         raise mute[0] if len(mute) == 1 else TellsNothing("\n".join(map(str, mute)))
     if mute:
@@ -127,6 +132,8 @@ def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
                 number_of(factor, f"the calibration of {shown(column)}")
     if "part" in how:
         how["part"] = part_of(how["part"])
+    if "amplitude" in how:
+        how["amplitude"] = amplitudes_of(how["amplitude"])
     if "channels" in how:
         how["channels"] = stated_channels(how["channels"])
     return how
@@ -187,13 +194,14 @@ def _is_one(given: Any) -> bool:
     return isinstance(given, Sequence) and len(given) > 0 and all(is_sep5(series) for series in given)
 
 
-def _read(one: Any, number: int, how: dict[str, Any]) -> list[Callable[[], Recording]]:
-    """What makes each recording of it, once the file or object is open."""
+def _read(one: Any, number: int, how: dict[str, Any]) -> list[Callable[[], list[Recording]]]:
+    """What makes the recordings of each record of it, once the file or object is open."""
     if isinstance(one, str | os.PathLike):
         _by_name(f"{one}: is a file", "its column", how)
         sha256, tables = tables_at(path_of(one), how.get("max_size", MOST_MB))
         how = {key: value for key, value in how.items() if key != "max_size"}
-        return [partial(recording_of, table, sha256=sha256, **how) for table in tables]
+        how, told = with_beside(*place_of(path_of(one)), how)
+        return [partial(told.each, partial(parts_of, table, how | {"sha256": sha256})) for table in tables]
     name, how = f"recording {number}", {key: value for key, value in how.items() if key != "max_size"}
     if isinstance(one, np.ndarray):
         one, how = _named({"response": one}, name, how)
@@ -203,7 +211,7 @@ def _read(one: Any, number: int, how: dict[str, Any]) -> list[Callable[[], Recor
         one, how = _named({label: values}, name, how)
     else:
         _by_name(f"{name}: has columns of its own", "one of them", how)
-    return [partial(recording_of, table, **how) for table in tables_of_object(one, name)]
+    return [partial(parts_of, table, how) for table in tables_of_object(one, name)]
 
 
 def _is_array(given: Any) -> bool:

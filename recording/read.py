@@ -13,6 +13,8 @@ import numpy as np
 
 from ..errors import BadInput, TellsNothing
 from .base_motion import driven_through, seen_from_base
+from .beside import with_beside
+from .by_amplitude import amplitudes_of, of_amplitude
 from .calibration import applied, of_column
 from .channel import Channel, Sought, Stated, refuse_gaps, sought
 from .columns import Choice, choose_columns, parse_column
@@ -38,19 +40,24 @@ def read(path: str | Path, **options: Any) -> Recording:
 
     Args:
         path: of the file; behind # the name or number of one of its records where it holds several.
-        options: of ``recording_of``, and `max_size`, the most MB that are read, 500 if not said.
+        options: of ``recording_of``; `amplitude`, of the motion that is used (see ``amplitudes_of``); and `max_size`,
+            the most MB that are read, 500 if not said. What a dashpot.yaml beside the file says counts where none of
+            them does.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
     file, _ = parse_address(path)
     sha256, tables = tables_at(path, options.pop("max_size", MOST_MB))
-    return recording_of(single(file.name, tables), sha256=sha256, **options)
+    options, told = with_beside(*place_of(path), options)
+    return told.of(lambda: _one_part(single(file.name, tables), options | {"sha256": sha256}))
 
 
 def read_records(path: str | Path, **options: Any) -> list[Recording]:
     """Read all recordings of a file, or the one that is named behind #; else as ``read``."""
     sha256, tables = tables_at(path, options.pop("max_size", MOST_MB))
-    return [recording_of(table, sha256=sha256, **options) for table in tables]
+    options, told = with_beside(*place_of(path), options)
+    made = [told.each(lambda table=table: parts_of(table, options | {"sha256": sha256})) for table in tables]
+    return [part for parts in made for part in parts]
 
 
 def from_data(data: Any, *, name: str = "recording", **options: Any) -> Recording:
@@ -60,17 +67,58 @@ def from_data(data: Any, *, name: str = "recording", **options: Any) -> Recordin
         data: a pandas DataFrame, an xarray Dataset or DataArray, SEP 5 dictionaries, or arrays by name, each (n,):
             see ``tables_of_object``.
         name: of the recording.
-        options: of ``recording_of``.
+        options: of ``recording_of``, and `amplitude`.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
-    return recording_of(single(name, tables_of_object(data, name)), **options)
+    return _one_part(single(name, tables_of_object(data, name)), options)
+
+
+def parts_of(table: Table, options: Mapping[str, Any]) -> list[Recording]:
+    """The recording of a table, or its parts of the ``amplitude`` among the options; others as of ``recording_of``."""
+    how = dict(options)
+    wanted = amplitudes_of(how.pop("amplitude", None))
+    if wanted is None:
+        return [recording_of(table, **how)]
+    whole = recording_of(table, **how | {"checked": False})
+    parts = of_amplitude(whole, wanted)
+    if not how.get("checked", True):
+        return parts
+    made, mute, stated = [], [], how.get("unit") is not None
+    driven = _drives(whole)
+    for part in parts:  # what is checked is what is used, as of a part in seconds
+        try:
+            made.append(_checked(part if not driven or _drives(part) else changed(part, force=None), stated=stated))
+        except TellsNothing as problem:
+            mute.append(problem)
+    if not made:
+        raise mute[0]
+    left_out = tuple(f"{problem}; it was left out, as others were recorded" for problem in mute)
+    return [replace(made[0], notes=(*made[0].notes, *left_out)), *made[1:]]
+
+
+def _drives(recording: Recording) -> bool:
+    """Whether the force of a recording is more than white noise that moves nothing."""
+    from .checks import no_reach
+    from .oscillation import is_white, oscillation_of
+
+    force = recording.force
+    return force is not None and not (is_white(force) and no_reach(recording, oscillation_of(recording)))
+
+
+def _one_part(table: Table, options: Mapping[str, Any]) -> Recording:
+    """The only part; raises BadInput where there are several."""
+    parts = parts_of(table, options)
+    if len(parts) > 1:
+        raise BadInput(
+            f"{table.where}: has {len(parts)} parts of such an amplitude; read_records gives all, --part chooses"
+        )
+    return parts[0]
 
 
 def tables_at(path: str | Path, max_size: float = MOST_MB) -> tuple[str, list[Table]]:
     """The SHA-256 of a file, and the tables of its records, or of the one that is named behind #; raises BadInput."""
-    file, record = parse_address(path)
-    file = storage_of(file)
+    file, record = place_of(path)
     content = content_of(file, max_size)
     tables = addressed(file.name, read_tables(file.name, content, max_size), record)
     return hashlib.sha256(content).hexdigest(), tables
@@ -364,6 +412,12 @@ def parse_address(path: str | Path) -> tuple[Path, str]:
         there = False
     file, _, record = str(path).partition("#")  # a record's name may hold slashes: groups within groups
     return (path, "") if there or not file or not record else (Path(file), record)
+
+
+def place_of(path: str | Path) -> tuple[Path, str]:
+    """The file that is read, of a folder that is a bag the one in it, and the name of the record, "" for none."""
+    file, record = parse_address(path)
+    return storage_of(file), record
 
 
 def addressed(file: str, tables: Sequence[Table], record: str) -> list[Table]:

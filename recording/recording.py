@@ -47,6 +47,7 @@ class Recording:
     "spring" or "damper" where the base moves one end of such, the response is over the ground, and the force is the
     base's displacement or velocity. `prescribed` is set where the response was imposed and the force is what that took.
     `recorded_unit` and `recorded_force_unit` are those of the file, where these are others, for what a person reads.
+    `rig` is the name that a file beside the recording gives the thing, "" for none.
     `channels` are further signals on which the thing may depend (temperature, current), each a number or (n,).
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
@@ -74,6 +75,7 @@ class Recording:
     channels: tuple[Channel, ...] = ()
     recorded_unit: str = ""
     recorded_force_unit: str = ""
+    rig: str = ""
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")
