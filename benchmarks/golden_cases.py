@@ -55,9 +55,10 @@ def diagnosed(model: Model, training: Sequence[Recording], held: Sequence[Record
 
 
 def shown(model: Model) -> dict[str, Any]:
-    """The model as data, but for the number of the version."""
+    """The model as data, but for what made it."""
     data = model.as_json()
-    data["identified"].pop("software", None)
+    for name in ("software", "commit", "versions", "command"):  # of who made it, and no result
+        data["identified"].pop(name, None)
     return data
 
 

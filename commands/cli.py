@@ -14,8 +14,10 @@ from .. import __version__
 from ..errors import BadInput
 from ..face.workflow import read_all
 from ..files.exit_codes import ended
+from ..files.made_by import line_of, typed
 from . import element_commands
 from .command_examples import epilog
+from .command_groups import GROUPS, OTHERS
 from .fleet_commands import COMMANDS as FLEET_COMMANDS
 from .model_commands import COMMANDS
 from .options import (
@@ -42,13 +44,16 @@ if TYPE_CHECKING:
 
 
 class _Commands(click.Group):
-    """A group that shows the whole first sentence of each command."""
+    """A group that shows the whole first sentence of each command, under a heading for each kind."""
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list of commands, each with its sentence."""
-        rows = [(name, command.get_short_help_str(1000)) for name, command in sorted(self.commands.items())]
-        with formatter.section("Commands"):
-            formatter.write_dl(rows)
+        """Write the lists of commands, each with its sentence."""
+        grouped = [name for names in GROUPS.values() for name in names]
+        for title, names in {**GROUPS, OTHERS: tuple(sorted(set(self.commands) - set(grouped)))}.items():
+            rows = [(name, self.commands[name].get_short_help_str(1000)) for name in names if name in self.commands]
+            if rows:
+                with formatter.section(title):
+                    formatter.write_dl(rows, col_max=12)
 
 
 @click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
@@ -427,7 +432,7 @@ def main(arguments: list[str] | None = None) -> None:
     os.environ["MPLBACKEND"] = "agg"  # a command draws into files alone, whatever is set for windows
 
     def command() -> None:
-        with waiting_shown(), facts_shown():
+        with waiting_shown(), facts_shown(), typed(line_of(sys.argv[1:] if arguments is None else arguments)):
             cli(arguments, prog_name="dashpot", standalone_mode=False)
 
     ended(command)

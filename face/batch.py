@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..errors import BadInput
+from ..files.made_by import made_by
 from ..files.writing import together, write, written_below
 from ..fleet.engine import Engine, Task
 from ..fleet.key import key_of
@@ -137,7 +138,7 @@ def _task(store: Store, entry: Entry, key: str, stage: str, *, limit: float, mem
     document["start"] = None if entry.start is None else str(Path(entry.start).resolve())
     return {
         **{"store": place, "entry": document, "key": key, "stage": stage},
-        **{"limit": limit, "memory": memory, "again": again},
+        **{"limit": limit, "memory": memory, "again": again, "command": made_by().command},
     }
 
 

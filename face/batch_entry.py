@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput, Unwritable
 from ..files.exit_codes import out_of_memory, sentence
+from ..files.made_by import typed
 from ..files.writing import together, write
 from ..fleet.kept_files import DIAGNOSIS
 from ..fleet.manifest import Entry
@@ -62,7 +63,8 @@ def main() -> None:
         with open(os.devnull, "wb") as nothing:  # noqa: PTH123  what libraries print is no answer
             os.dup2(nothing.fileno(), 1)
         _bounded(task["memory"])
-        out.write(json.dumps(done(task)) + "\n")
+        with typed(task.get("command", "")):
+            out.write(json.dumps(done(task)) + "\n")
         out.flush()
         os._exit(0)  # nothing that libraries do at their end can spoil what was kept
 

@@ -91,7 +91,17 @@ class Checkup:
 
 def checkup() -> Checkup:
     """Look at everything; a few seconds where a compiler is tried for the first time. Raises nothing."""
-    findings = (_python(), *_packages(), _compiler(), _platforms(), _cache(), *_extras(), *_laws())
+    findings = (
+        _python(),
+        *_packages(),
+        _compiler(),
+        _platforms(),
+        _cache(),
+        *_sizes(),
+        *_extras(),
+        *_laws(),
+        *_readers(),
+    )
     machine = f"{platform.system()} {platform.machine()}"
     return Checkup(__version__, platform.python_version(), machine, findings)
 
@@ -180,6 +190,18 @@ def _cache() -> Finding:
     return Finding("cache", True, False, f"{cache_folder()}, {size:.0f} MB")
 
 
+def _sizes() -> Iterator[Finding]:
+    """What the installation takes on the disk, and what the compiler for all platforms adds to it."""
+    from .sizes import in_words, sizes_of
+
+    base = sizes_of()
+    if not base:
+        return
+    more = {name: size for name, size in sizes_of(extra="platforms").items() if name not in base}
+    added = f"; platforms adds {in_words(more)}" if more else ""
+    yield Finding("size", True, False, f"{in_words(base)}{added}")
+
+
 def _extras() -> Iterator[Finding]:
     from ..recording.formats import FORMATS
 
@@ -193,6 +215,21 @@ def _extras() -> Iterator[Finding]:
             good, words = _found(package, bounds)
             how = words if good else f'{words}; pip install "dashpot[{extra}]"'
             yield Finding(extra, good, False, f"{purposes[extra]}: {package} {how}")
+
+
+def _readers() -> Iterator[Finding]:
+    """What other packages bring to the kinds of files that are read."""
+    from ..recording.formats import FORMATS
+    from ..recording.formats.installed import installed_readers
+
+    for suffix, name, load in installed_readers():
+        try:
+            load()
+        except BadInput as problem:
+            yield Finding(name, False, False, str(problem).partition("\n")[0])
+            continue
+        read = suffix not in FORMATS
+        yield Finding(name, read, False, f"reads {suffix}" if read else f"is not asked: dashpot reads {suffix} itself")
 
 
 def _laws() -> Iterator[Finding]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
+from ..files.made_by import made_by
 from ..model import Oscillator, Provenance, Range
 from ..model.oscillator import Band
 from ..recording.recording import Recording
@@ -76,13 +76,19 @@ def with_provenance(
         identified=Provenance(
             recordings=tuple(files),
             method="maximum-likelihood",
-            software=f"dashpot {__version__}",
+            **stamp(),
             parameters=fit.names,
             covariance=tuple(tuple(float(c) for c in row) for row in _as_covariance(fit.covariance)),
             log_likelihood=fit.log_likelihood,
             band=band,
         ),
     )
+
+
+def stamp() -> dict[str, Any]:
+    """What made a model, as a provenance has it."""
+    made = made_by()
+    return {"software": made.software, "commit": made.commit, "versions": made.versions, "command": made.command}
 
 
 def _as_covariance(matrix: np.ndarray) -> np.ndarray:

@@ -147,6 +147,9 @@ def provenance_of(identified: IdentifiedForm, free: list[str]) -> Provenance:
         recordings=tuple(recording.model_dump(exclude_unset=True) for recording in identified.recordings),
         method=identified.method,
         software=identified.software,
+        commit=identified.commit,
+        versions=dict(identified.versions),
+        command=identified.command,
         parameters=tuple(identified.parameters or (free if covariance is not None else ())),
         covariance=None if covariance is None else tuple(tuple(map(float, row)) for row in covariance),
         log_likelihood=identified.log_likelihood,
@@ -227,9 +230,11 @@ def provenance_lines(identified: Provenance) -> list[str]:
         lines += ["  recordings:", *(f"    - {flow(recording)}" for recording in identified.recordings)]
     lines += [
         f"  {name}: {scalar_text(getattr(identified, name))}"
-        for name in ("method", "software")
+        for name in ("method", "software", "commit", "command")
         if getattr(identified, name)
     ]
+    if identified.versions:
+        lines.append(f"  versions: {flow(identified.versions)}")
     if (band := identified.band) is not None:
         lines.append(f"  band: {flow({'mode': band.mode, 'low': band.low, 'high': band.high, 'unit': 'Hz'})}")
     if identified.parameters:

@@ -115,6 +115,9 @@ class Provenance:
             the measuring chain did to it, where that was asked for and found.
         method: for example ``maximum-likelihood``.
         software: name and version.
+        commit: of the checkout that it ran from, "" where it was installed.
+        versions: of Python and of the packages that compute, by name.
+        command: line that was typed, "" where none was.
         parameters: names in the order of the covariance's rows.
         covariance: rows of the parameters' covariance, in the parameters' units.
         log_likelihood: at the maximum.
@@ -128,6 +131,9 @@ class Provenance:
     covariance: tuple[tuple[float, ...], ...] | None = None
     log_likelihood: float | None = None
     band: Band | None = None
+    commit: str = ""
+    versions: Mapping[str, str] = field(default_factory=dict)
+    command: str = ""
 
 
 @dataclass(frozen=True, repr=False)

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
+from ..files.made_by import LONGEST_COMMAND
 from ..files.yaml_loader import Document, Path, shown, suggestion
 from .consistency import Meaning
 from .form import Form, filled, of_format, printable
@@ -26,6 +27,7 @@ _Words = Annotated[str, Field(max_length=200), AfterValidator(printable)]
 _Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), AfterValidator(printable)]
 _Sentence = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(printable)]
 _FilePath = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(printable)]
+_Command = Annotated[str, Field(max_length=LONGEST_COMMAND), AfterValidator(printable)]
 _Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(printable)]
 _RecordedUnit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(printable)]
 
@@ -122,6 +124,9 @@ class IdentifiedForm(Form):
     recordings: list[RecordingForm] = Field(default_factory=list)
     method: _Words = ""
     software: _Words = ""
+    commit: _Words = ""
+    versions: dict[_Words, _Words] = Field(default_factory=dict)
+    command: _Command = ""
     parameters: list[str] = Field(default_factory=list)
     covariance: list[list[float]] | None = None
     log_likelihood: float | None = None

@@ -80,6 +80,9 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
             "recordings": [dict(recording) for recording in provenance.recordings],
             "method": provenance.method,
             "software": provenance.software,
+            "commit": provenance.commit or None,
+            "versions": dict(provenance.versions),
+            "command": provenance.command or None,
             "parameters": list(provenance.parameters),
             "covariance": None
             if provenance.covariance is None

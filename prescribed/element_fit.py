@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__
 from ..errors import BadInput
 from ..identify.fit.limits import CYCLES
+from ..identify.provenance import stamp
 from ..identify.signals.odds import ABOVE_NOISE, SIGNIFICANT
 from ..model.dependence import FORMS
 from ..model.element import Element
@@ -272,7 +272,7 @@ def _fit_of(fitted: Fitted, problem: Problem, recordings: Sequence[Recording], n
             element.identified,
             recordings=tuple(files),
             method="least squares along the motion",
-            software=f"dashpot {__version__}",
+            **stamp(),
         ),
     )
     return ElementFit(

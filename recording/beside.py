@@ -51,14 +51,18 @@ class Told:
             if not self.taken:
                 raise
             kind = TellsNothing if isinstance(problem, TellsNothing) else BadInput
-            raise kind(f"{problem} (read as {self.path} says: {self._words()})") from None
+            raise kind(f"{problem} (read as {self._place()} says: {self._words()})") from None
 
     def _noted(self, recording: Recording) -> Recording:
         if self.path is None:
             return recording
         words = self._words() or (f"the rig is {self.rig}" if self.rig else "nothing that the options do not say")
-        note = f"{recording.name}: read as {self.path} says: {words}"
+        note = f"{recording.name}: read as {self._place()} says: {words}"
         return replace(recording, rig=self.rig, notes=(note, *recording.notes))
+
+    def _place(self) -> str:
+        """Its folder and name: what is kept of a recording need not say where on a machine it lay."""
+        return "" if self.path is None else str(Path(self.path.parent.name) / self.path.name)
 
     def _words(self) -> str:
         return ", ".join(f"{name.replace('_', ' ')} {_text(value)}" for name, value in self.taken.items())

@@ -80,9 +80,10 @@ def parts_of(table: Table, options: Mapping[str, Any]) -> list[Recording]:
     wanted = amplitudes_of(how.pop("amplitude", None))
     if wanted is None:
         return [recording_of(table, **how)]
-    whole = recording_of(table, **how | {"checked": False})
+    asked = how.pop("checked", True)
+    whole = recording_of(table, checked=False, **how)
     parts = of_amplitude(whole, wanted)
-    if not how.get("checked", True):
+    if not asked:
         return parts
     made, mute, stated = [], [], how.get("unit") is not None
     driven = _drives(whole)

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 from ..errors import BadInput
 from ..export.render import plain_text
+from ..files.made_by import made_by
 from ..templates import template
 from .chart import Chart
 from .d3_chart import figures, legend, scripts
@@ -129,7 +130,7 @@ class Page:
         title: heading.
         sections: in order; empty ones are left out.
         lead: blocks ahead of the first section.
-        footer: last line.
+        footer: last line, before what says which program made the page, and how.
         numbered: whether the figures are; not where the headings have numbers of their own.
     """
 
@@ -145,11 +146,14 @@ class Page:
         blocks = [*self.lead, *(block for section in self.sections for block in section.blocks)]
         return [block.chart for block in blocks if isinstance(block, Figure)]
 
+    def _foot(self) -> str:
+        return " ".join(part for part in (self.footer, made_by().sentence()) if part)
+
     @property
     def html(self) -> str:
         """The page as HTML, with nothing loaded from anywhere: the same text for the same results."""
         shown = [section for section in self.sections if section.blocks]
-        made = {"sections": shown, "lead": list(self.lead), "footer": self.footer, "numbered": self.numbered}
+        made = {"sections": shown, "lead": list(self.lead), "footer": self._foot(), "numbered": self.numbered}
         drawing = scripts(self.charts)
         return _template().render(
             title=plain_text(self.title), scripts=drawing, lost=bool(self.charts) and not drawing, **made

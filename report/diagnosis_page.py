@@ -65,8 +65,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
     lead.append(Text(next_step(diagnosis, files), lead="What to do next:"))
     if diagnosis.experiment is not None and _planned(diagnosis):
         lead.append(Text(full_stop(diagnosis.experiment.sentence), lead="The next experiment:"))
-    software = diagnosis.model.identified.software or "dashpot"
-    return Page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead, footer=f"Made by {software}.")
+    return Page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead)
 
 
 def _says_what_is_left(diagnosis: Diagnosis) -> bool:

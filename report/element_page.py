@@ -47,8 +47,7 @@ def element_page(fit: ElementFit, *, files: Sequence[str] = ()) -> Page:
         notes_section(fit.notes),
         Section("Where the numbers come from", (*_provenance(fit), *files_text(files)), folded=True),
     ]
-    software = fit.element.identified.software or "dashpot"
-    return Page(f"Identification of {fit.element.name}", sections, lead=lead, footer=f"Made by {software}.")
+    return Page(f"Identification of {fit.element.name}", sections, lead=lead)
 
 
 def element_diagnosis_page(found: ElementFound, *, files: Sequence[str] = ()) -> Page:
@@ -72,8 +71,7 @@ def element_diagnosis_page(found: ElementFound, *, files: Sequence[str] = ()) ->
         notes_section(notes),
         Section("Where the numbers come from", (*_provenance(found.best), *files_text(files)), folded=True),
     ]
-    software = best.identified.software or "dashpot"
-    return Page(f"Diagnosis of {best.name}", sections, lead=lead, footer=f"Made by {software}.")
+    return Page(f"Diagnosis of {best.name}", sections, lead=lead)
 
 
 def loops_section(fits: Sequence[ElementFit]) -> Section:

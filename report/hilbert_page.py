@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import __version__
 from ..export.render import plain_text
 from ..identify.hilbert.hilbert_files import UNITS, force_unit_of
 from ..model import Response, units
@@ -63,7 +62,7 @@ def hilbert_page(
     how = "Next, the model that fits the motion itself (with the options that the recordings were read with):"
     again = Code(how, f"dashpot identify {shlex.join(names)} -o rig.yaml --report rig.html")
     blocks = [*_warning(analysis), lead, again]
-    return Page("Hilbert analysis", sections, lead=blocks, footer=f"Made by dashpot {__version__}.")
+    return Page("Hilbert analysis", sections, lead=blocks)
 
 
 def _so_many(count: int, what: str) -> str:

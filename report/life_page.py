@@ -32,7 +32,7 @@ def life_page(lives: Sequence[Life]) -> Page:
         Section(life.name, tuple(_blocks(life, f"life-{i}", drawn=i < _MOST))) for i, life in enumerate(ordered)
     ]
     title = f"The life of {lives[0].name}" if len(lives) == 1 else "The lives of a fleet"
-    return Page(title, sections, lead=lead, footer="Made by dashpot watch.")
+    return Page(title, sections, lead=lead)
 
 
 def _first(life: Life) -> Block:

@@ -72,9 +72,8 @@ def identification_page(
         usage_section(model, files),
         Section("Where the numbers come from", tuple(_provenance(identification, files)), folded=True),
     ]
-    footer = f"Made by {model.identified.software or 'dashpot'}."
     lead = _lead(identification, shown, verified=verification is not None, files=files)
-    return Page(f"Identification of {model.name}", sections, lead=lead, footer=footer)
+    return Page(f"Identification of {model.name}", sections, lead=lead)
 
 
 def _lead(

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .. import __version__
 from ..identify.hilbert.modal_result import ModalFit
 from ..identify.hilbert.static_force import quasi_steady_amplitude
 from ..model.backbone import preload_backbone
@@ -60,7 +59,7 @@ def paper_page(
         "the printed parameters in SI, 1 µm of sensor noise and 0.1 % of force noise. docs/paper.md has the equations "
         "and errata."
     )
-    return Page("The paper's figures", sections, lead=[lead], footer=f"Made by dashpot {__version__}.", numbered=False)
+    return Page("The paper's figures", sections, lead=[lead], numbered=False)
 
 
 def sweep_is_slow(analysis: HilbertAnalysis) -> float:

@@ -31,9 +31,7 @@ def verification_page(verification: Verification) -> Page:
         Section("Backbones", tuple(_backbones(verification))),
         Section("How it was judged", tuple(_judged(verification))),
     ]
-    return Page(
-        f"Verification of {verification.fmu}", sections, lead=[verdict(shown)], footer="Made by dashpot verify."
-    )
+    return Page(f"Verification of {verification.fmu}", sections, lead=[verdict(shown)])
 
 
 def _failed(verification: Verification) -> list[Block]:

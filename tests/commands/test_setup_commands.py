@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from dashpot.commands.cli import cli, main
 from dashpot.commands.command_examples import EXAMPLES
+from dashpot.commands.command_groups import GROUPS
 from dashpot.commands.terminal import coloured, print_json
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
@@ -41,12 +42,36 @@ def test_the_doctor_finds_what_is_there(capsys):
     assert code == 0
     assert found["good"] is True
     findings = {finding["what"]: finding for finding in found["findings"]}
-    assert {"Python", "numpy", "C compiler", "FMUs for", "cache", "hdf5"} <= set(findings)
+    assert {"Python", "numpy", "C compiler", "FMUs for", "cache", "size", "hdf5"} <= set(findings)
+    assert re.match(r"\d{3} MB \(casadi \d+, scipy \d+, ", findings["size"]["words"])
     assert findings["numpy"]["needed"]
     assert not findings["hdf5"]["needed"]
     code, out, _ = run(capsys, "doctor")
     assert out.splitlines()[-1] == "all that is needed is there"
     assert "\x1b" not in out
+
+
+def test_every_command_stands_under_a_heading_of_the_help(capsys):
+    _, out, _ = run(capsys, "-h")
+    grouped = [name for names in GROUPS.values() for name in names]
+    assert set(cli.commands) <= set(grouped)
+    assert len(grouped) == len(set(grouped))
+    shown = re.findall(r"^  (\w+)  ", out.partition("Begin:")[2], re.MULTILINE)
+    assert shown == [name for name in grouped if name in cli.commands]
+
+
+def test_readers_that_are_installed_are_named(monkeypatch):
+    def broken():
+        raise BadInput("wavy: cannot be imported\nin two lines")
+
+    readers = [(".wvy", "wavy (a)", lambda: print), (".csv", "wavy (b)", lambda: print), (".odd", "wavy (c)", broken)]
+    monkeypatch.setattr("dashpot.recording.formats.installed.installed_readers", lambda: iter(readers))
+    found = [(finding.what, finding.good, finding.words) for finding in doctor._readers()]
+    assert found == [
+        ("wavy (a)", True, "reads .wvy"),
+        ("wavy (b)", False, "is not asked: dashpot reads .csv itself"),
+        ("wavy (c)", False, "wavy: cannot be imported"),
+    ]
 
 
 def test_without_a_compiler_the_exit_code_says_so(capsys, no_compiler):
