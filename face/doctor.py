@@ -197,7 +197,7 @@ def _sizes() -> Iterator[Finding]:
     base = sizes_of()
     if not base:
         return
-    more = {name: size for name, size in sizes_of(extra="platforms").items() if name not in base}
+    more = {name: size for name, size in sizes_of("dashpot", "platforms", base).items() if name not in base}
     added = f"; platforms adds {in_words(more)}" if more else ""
     yield Finding("size", True, False, f"{in_words(base)}{added}")
 

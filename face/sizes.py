@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping
 from importlib import metadata
+from types import MappingProxyType
 
 _NAME = re.compile(r"[\w.-]+")
 _EXTRA = re.compile(r"extra\s*==\s*['\"](?P<extra>[\w-]+)['\"]")
@@ -12,12 +13,15 @@ _EXTRA = re.compile(r"extra\s*==\s*['\"](?P<extra>[\w-]+)['\"]")
 _NAMED = 4
 
 
-def sizes_of(package: str = "dashpot", extra: str = "") -> dict[str, float]:
+def sizes_of(
+    package: str = "dashpot", extra: str = "", known: Mapping[str, float] = MappingProxyType({})
+) -> dict[str, float]:
     """MB of each package that is installed and that a package asks for, directly or through others.
 
     Args:
         package: whose requirements are followed; it is among them itself.
         extra: with those of this extra; "" for none.
+        known: sizes that were found before.
 
     Returns:
         Sizes as the lists of files that installers leave state them, by name; what is not installed is left out.
@@ -26,17 +30,19 @@ def sizes_of(package: str = "dashpot", extra: str = "") -> dict[str, float]:
     asked = [(package, extra)]
     while asked:
         name, with_extra = asked.pop()
-        key = _key(name)
         try:
             distribution = metadata.distribution(name)
         except (metadata.PackageNotFoundError, ValueError):
             continue
-        if key not in found:
-            found[key] = sum(file.size or 0 for file in distribution.files or ()) / 1e6
-        elif not with_extra:
-            continue
+        if _key(name) not in found:
+            size = known.get(_key(name))
+            found[_key(name)] = _size(distribution) if size is None else size
         asked += [(name, "") for name in _required(distribution.requires or (), with_extra) if _key(name) not in found]
     return found
+
+
+def _size(distribution: metadata.Distribution) -> float:
+    return sum(file.size or 0 for file in distribution.files or ()) / 1e6
 
 
 def _key(name: str) -> str:

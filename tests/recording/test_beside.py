@@ -78,6 +78,7 @@ def test_a_rival_that_is_given_leaves_out_what_stands_there(folder):
     np.testing.assert_allclose(forced.force, F, rtol=0, atol=1e-8)
 
 
+@pytest.mark.long
 def test_a_prescribed_motion_is_identified_as_such(folder, capsys):
     said = "format: dashpot-data/1\nname: seal\ncolumns: {time: 1, force: 2, prescribed: 3}\n"
     path = folder(said + "units: {time: ms, prescribed: mm, force: N}\n")

@@ -120,9 +120,9 @@ def test_bad_paths(tmp_path):
         read(tmp_path / "absent.csv")
     with pytest.raises(BadInput, match="folder"):
         read(tmp_path)
-    (tmp_path / "r.xls").write_text("t,x")
-    with pytest.raises(BadInput, match=r"'\.xls' cannot be read; supported are \.csv"):
-        read(tmp_path / "r.xls")
+    (tmp_path / "r.ods").write_text("t,x")
+    with pytest.raises(BadInput, match=r"'\.ods' cannot be read; supported are \.csv"):
+        read(tmp_path / "r.ods")
 
 
 SHARED = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[2].parent / "shared" / "data"))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.recording import read
-from dashpot.recording.formats import read_tables
+from dashpot.recording.formats import mcap, read_tables
 from dashpot.recording.formats.messages import tables_of_messages
 
 FS, N = 500.0, 400
@@ -19,7 +19,7 @@ EPOCH = 1_700_000_000_000_000_000
 STEP = round(1e9 / FS)
 
 
-@pytest.fixture(scope="module", params=["mcap", "db3"])
+@pytest.fixture(scope="module", params=["mcap", pytest.param("db3", marks=pytest.mark.long)])
 def bag(request, tmp_path_factory):
     """A folder as ``ros2 bag record`` leaves it: an inertial unit and a force, and joints whose clock is another."""
     rosbag2 = pytest.importorskip("rosbags.rosbag2")
@@ -102,7 +102,7 @@ def written(encoding, *payloads):
 
 def test_an_encoding_that_is_not_read_is_named():
     with pytest.raises(BadInput, match=r"its messages \(rig and others\) are encoded as protobuf; .* export the topic"):
-        read_tables("rec.mcap", written("protobuf", b"\x08\x01", b"\x08\x02"), 10.0)
+        mcap.read_tables("rec.mcap", written("protobuf", b"\x08\x01", b"\x08\x02"), 10.0)
 
 
 def test_messages_that_are_no_json_are_one_sentence():

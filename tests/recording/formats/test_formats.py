@@ -176,6 +176,11 @@ WRITERS = {
 }
 
 
+#: Kinds whose tests wait for large libraries, or make many messages.
+DEAR = ("rec.xls", "rec.mcap", "rec.db3", "rec.mf4")
+KINDS = [pytest.param(name, marks=pytest.mark.long) if name in DEAR else name for name in WRITERS]
+
+
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     """``written(name)``: the file of that name, made once."""
@@ -190,7 +195,7 @@ def written(tmp_path_factory):
     return make
 
 
-@pytest.mark.parametrize("name", WRITERS)
+@pytest.mark.parametrize("name", KINDS)
 def test_every_kind_of_file_gives_what_the_csv_gives(written, name, tmp_path):
     rows = "\n".join(f"{t!r},{f!r},{x!r}" for t, f, x in zip(T.tolist(), F.tolist(), (1e3 * X).tolist(), strict=True))
     (tmp_path / "rec.csv").write_text(f"time_s,force_N,x_mm\n{rows}\n")
@@ -288,7 +293,7 @@ def test_a_labview_measurement_that_was_cut_is_read_as_far_as_it_goes(tmp_path):
     assert f"{recording.n} of the {N} samples are there that its header states" in " ".join(recording.notes)
 
 
-@pytest.mark.parametrize("name", [name for name in WRITERS if name != "rec.lvm"])
+@pytest.mark.parametrize("name", [name for name in KINDS if name != "rec.lvm"])
 def test_a_file_cut_short_is_one_sentence(written, name):
     content = written(name).read_bytes()
     with pytest.raises(BadInput, match=name) as caught:
