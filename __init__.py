@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .face.backbone import Backbone
     from .face.commands import (
         batch,
+        check,
         compare,
         demo,
         diagnose,
@@ -38,6 +39,8 @@ if TYPE_CHECKING:
         load_laws,
         look,
         paper,
+        plan,
+        prove_on,
         read,
         simulate,
         verify,
@@ -68,6 +71,7 @@ __all__ = [
     "Verification",
     "__version__",
     "batch",
+    "check",
     "compare",
     "demo",
     "diagnose",
@@ -83,6 +87,8 @@ __all__ = [
     "load_laws",
     "look",
     "paper",
+    "plan",
+    "prove_on",
     "read",
     "simulate",
     "verify",

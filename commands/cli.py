@@ -19,6 +19,7 @@ from . import element_commands
 from .command_examples import epilog
 from .command_groups import GROUPS, OTHERS
 from .fleet_commands import COMMANDS as FLEET_COMMANDS
+from .foresight_commands import COMMANDS as FORESIGHT_COMMANDS
 from .model_commands import COMMANDS
 from .options import (
     FILE,
@@ -418,7 +419,7 @@ def verify(
         sys.exit(1)
 
 
-for _command in (*COMMANDS, *FLEET_COMMANDS, *SETUP_COMMANDS):
+for _command in (*COMMANDS, *FORESIGHT_COMMANDS, *FLEET_COMMANDS, *SETUP_COMMANDS):
     cli.add_command(_command)
 for _name, _command in cli.commands.items():
     with_quiet(_command)

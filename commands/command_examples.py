@@ -4,6 +4,7 @@ from __future__ import annotations
 
 EXAMPLES: dict[str, tuple[str, ...]] = {
     "batch": ("dashpot batch fleet.yaml -o results", "dashpot batch fleet.yaml -o results --shard 2/8"),
+    "check": ("dashpot check decays.csv sweep.csv.gz", "dashpot check decay.csv --json | jq .parameters.cubic"),
     "compare": ("dashpot compare before.yaml after.yaml --repeats test1.yaml test2.yaml test3.yaml",),
     "completion": ('eval "$(dashpot completion bash)"',),
     "demo": ("dashpot demo -o demo",),
@@ -26,6 +27,14 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "linearise": ("dashpot linearise rig.yaml --amplitude 1e-3 --step 1e-3",),
     "look": ("dashpot look runs.mat more.csv", "dashpot look runs.mat#run3 --force '*shaker*'"),
     "paper": ("dashpot paper -o paper",),
+    "plan": (
+        "dashpot plan rig.yaml --want 'cubic 1%' --most-amplitude 5mm --noise 1um --force-noise 1mN",
+        "dashpot plan rig.yaml --want 'friction 2%' --like sweep.csv.gz --test sweep --test random -o force.csv",
+    ),
+    "prove-on": (
+        "dashpot prove-on rig.yaml --like sweep.csv.gz",
+        "dashpot prove-on rig.yaml --noise 1um --force-noise 1mN --hide quadratic-drag",
+    ),
     "show": ("dashpot show rig.yaml", "dashpot show rig.yaml --json | jq .machine.friction"),
     "simulate": ("dashpot simulate rig.yaml another.csv -o response.csv",),
     "verify": ("dashpot verify rig.fmu sweep.csv.gz another.csv --json verify.json --report verify.html",),

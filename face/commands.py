@@ -17,6 +17,9 @@ from .added import identified_with_added
 from .fleet import batch as batch
 from .fleet import compare as compare
 from .fleet import watch as watch
+from .foresight import check as check
+from .foresight import plan as plan
+from .foresight import prove_on as prove_on
 from .model import Model, oscillator_of
 from .options import mode_text, with_reading
 from .workflow import Say, analysed, identified, silent

@@ -102,6 +102,7 @@ def identified(
         otherwise: name of the rig where neither ``name`` nor a file beside the recordings says one.
         notes: called with what was chosen before the fit, one sentence each.
     """
+    from ..foresight.check import said_before
     from ..identify.identification import identify
     from ..identify.motion.modes import mode_beside
     from ..identify.of_base import of_base
@@ -171,6 +172,7 @@ def identified(
             doubted=doubted,
             faults=faults,
             every=every,
+            begun=lambda given, model: said_before(given, model, tuple(known), progress),
             progress=progress,
         )
 

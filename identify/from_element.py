@@ -16,9 +16,9 @@ from ..errors import BadInput
 from ..model import Oscillator
 from ..model.element import INERTIA, Element
 from ..recording.recording import WHOLE, Recording
-from .identification import Identification, estimated
+from .identification import Identification
 from .signals.registry import budget
-from .start.start import hilbert_start
+from .start.start import estimated, hilbert_start
 
 _ROUNDS = budget(4, "fits", why="after which the mass has moved by less than its error")
 #: Members that an oscillator has too.

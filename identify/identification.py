@@ -56,7 +56,7 @@ from .signals.odds import DECISIVE, SIGNIFICANT
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
 from .start.further_modes import ringing_modes
-from .start.start import HilbertEstimate, hilbert_start, plain_starts
+from .start.start import HilbertEstimate, estimated, hilbert_start, plain_starts
 
 _log = logging.getLogger(__name__)
 
@@ -149,6 +149,7 @@ def identify(
     near: bool = False,
     faults: bool = False,
     every: bool = True,
+    begun: Callable[[Sequence[Recording], Oscillator], None] = lambda *_: None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
@@ -166,6 +167,7 @@ def identify(
         faults: whether to ask what the measuring chain may have done to the recordings, by several fits more, where
             they do not contradict each other too; see ``explain_residual``.
         every: whether members of Eq. 17 stay that the recordings do not tell from none; see ``plainest``.
+        begun: called, before the search, with the recordings and the model that it starts from.
         progress: called with one line per step.
 
     Raises:
@@ -192,6 +194,7 @@ def identify(
     own = with_shared(base, estimate)
     leading = start is None or leads(base, own, recordings)
     base = base if leading else own
+    begun(recordings, with_fixed(base, fixed, final=False))
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
     def answer(
@@ -205,11 +208,11 @@ def identify(
         data = data_of(recordings, base, coarse=False)
 
         def begun(model: Oscillator) -> Oscillator:
-            model = _with_values(model, fixed, final=not laws)
+            model = with_fixed(model, fixed, final=not laws)
             if laws:
                 progress(f"start values for {', '.join(laws)}")
                 model = with_laws(model, laws, replace(data, coarse=True), fixed)
-                model = _with_values(model, fixed, final=True)
+                model = with_fixed(model, fixed, final=True)
             return model
 
         def others() -> Iterator[Oscillator]:
@@ -230,7 +233,7 @@ def identify(
         return _with_shapes(fit, recordings, data, (*fixed, *kept), doubted=doubted) if shapes else fit
 
     def of_modes(fit: Fit | None, model: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool) -> Fit:
-        begin = None if model is None else _with_values(model, fixed, final=False)
+        begin = None if model is None else with_fixed(model, fixed, final=False)
         drifts = [] if fit is None else [o.begun(recordings) for o in fit.offsets if o.channel == "drift"]
         return answer(recordings, begin, kept, drifts, doubted=doubted)
 
@@ -355,19 +358,7 @@ def _alone(recordings: Sequence[Recording]) -> Fit:
     return maximum_likelihood(model, recordings, doubted=False, others=lambda: _plain(model, hilbert, recordings))
 
 
-def estimated(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
-    """Eq. 17 with the values estimated from the recordings."""
-    first = recordings[0]
-    known = {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")}
-    return Oscillator.from_values(
-        known | ({"mass": 1.0} if any(recording.base == WHOLE for recording in recordings) else {}),
-        name=name,
-        response=Response(first.quantity, first.unit),
-        force_unit=next((r.force_unit for r in recordings if r.force is not None), "N"),
-    )
-
-
-def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool) -> Oscillator:
+def with_fixed(model: Oscillator, values: Mapping[str, float], *, final: bool) -> Oscillator:
     """The model with parameters set; raises BadInput for a name that it does not have, once all its laws are in."""
     known, bounds = model.parameters(), model.bounds()
     for name, value in values.items():

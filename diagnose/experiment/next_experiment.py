@@ -12,6 +12,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...errors import DashpotError
+from ...foresight.excitation import Excitation
+from ...foresight.rehearsal import Played, apart, rehearse
 from ...identify.problem.data import Data
 from ...identify.problem.linearised import off, orthonormal
 from ...identify.signals.limits import CLEAR_OF_NOISE
@@ -22,8 +24,7 @@ from ...simulate.core import STEPS_PER_PERIOD, internal_step
 from ..limits import POORLY_KNOWN, WORTHWHILE
 from ..result import Experiment
 from ..wording import effects_in_words, figure, quantity
-from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
-from .rehearsal import Played, apart, rehearse
+from .excitations import BEYOND, Limits, candidates, limits_of
 
 _ROUNDED = numerics(1.05, "times the limit", why="a peak is met between samples")
 
@@ -71,7 +72,7 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
                 continue
             if pace > _SLOWER * _pace(first, reach):
                 continue
-            played[name] = rehearse(models[name], first, plans, data, rate, fs)
+            played[name] = rehearse(models[name], first, plans, data, rate, fs, reach)
         except (DashpotError, np.linalg.LinAlgError):
             continue
     if names[0] not in played:

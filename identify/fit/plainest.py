@@ -63,7 +63,7 @@ def likely_absent(names: Sequence[str], values: np.ndarray, covariance: np.ndarr
     total = sum(np.exp(odds[some] - odds[gone]) for some in odds if set(some) <= set(gone))
     for others in (some for some in odds if set(some) < set(gone)):  # these are not there, the rest of `gone` is
         there = tuple(i for i in gone if i not in others)
-        mean, known = _given_none(values, covariance, sizes, others)
+        mean, known = given_none(values, covariance, sizes, others)
         inverse = np.linalg.pinv(_over(known, sizes, there, there), hermitian=True)
         follows = known[np.ix_(kept, list(there))] / sizes[list(there)] @ inverse  # what each moves the others by
         of_size = np.linalg.inv(inverse + np.eye(len(there)))
@@ -85,7 +85,7 @@ def _over(covariance: np.ndarray, sizes: np.ndarray, some: Sequence[int], others
     return covariance[np.ix_(list(some), list(others))] / np.outer(sizes[list(some)], sizes[list(others)])
 
 
-def _given_none(
+def given_none(
     values: np.ndarray, covariance: np.ndarray, sizes: np.ndarray, gone: Sequence[int]
 ) -> tuple[np.ndarray, np.ndarray]:
     """Estimates (k,) and their covariance where some of them are known to be zero."""

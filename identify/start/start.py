@@ -16,7 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import BadInput
+from ...model import Oscillator, Response
 from ...recording.continuity import is_switched
+from ...recording.recording import WHOLE
 from ..hilbert.curves import BackboneFit, DampingFit, backbone_omega0, fit_backbone, fit_damping
 from ..hilbert.forced_regression import forced_regression
 from ..hilbert.freevib import freevib
@@ -88,11 +90,11 @@ class HilbertEstimate:
     notes: tuple[str, ...]
 
 
-def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
+def hilbert_start(recordings: Sequence[Recording], *, curves_too: bool = True) -> HilbertEstimate:
     """Estimate Eq. 17 from `recordings` (displacement, velocity or acceleration, free or forced, in any mixture).
 
-    Whatever cannot be used is passed over with a note. Raises BadInput only when there is no recording, or none of them
-    oscillates.
+    Without ``curves_too`` none are made where the regression works: they take most of the time. Whatever cannot be used
+    is passed over with a note. Raises BadInput only when there is no recording, or none of them oscillates.
     """
     if not recordings:
         raise BadInput("No recording given; give at least one free decay or forced record.")
@@ -124,12 +126,12 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
             ringing.append(2 * np.pi * lines[-1])
         if drive is None and not free_decays:
             notes.append(f"{r.name}: no force and no free decay found in it; it was not used for the start values.")
-        for d in free_decays:
+        for d in free_decays if curves_too else ():
             curves += _freevib_curve(r, x, d, notes)
         if drive is not None:
             segments.append(motions[-1])
             # with much free ringing in it the force says little, and the decays have told their part
-            if sum(d.stop - d.start for d in free_decays) < r.n / 2:
+            if curves_too and sum(d.stop - d.start for d in free_decays) < r.n / 2:
                 curves += _regressed_curve(r, x, drive, notes)
         else:
             segments += [Segment(x.part(d.start, d.stop), None) for d in free_decays]
@@ -139,7 +141,21 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     regression, linear = _regression(segments, notes)
     if regression is not None and ringing and abs(np.log2(regression.omega0 / np.median(ringing))) > 1:
         regression = linear = None  # no force in steps drives a line: what rings there is the rig
+    if not curves_too and (regression is None or (segments and regression.mass is None)):
+        return hilbert_start(recordings)
     return _combine(motions, lines, curves, tuple(decays), backbone, damping, regression, linear, notes)
+
+
+def estimated(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
+    """Eq. 17 with the values estimated from the recordings."""
+    first = recordings[0]
+    known = {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")}
+    return Oscillator.from_values(
+        known | ({"mass": 1.0} if any(recording.base == WHOLE for recording in recordings) else {}),
+        name=name,
+        response=Response(first.quantity, first.unit),
+        force_unit=next((r.force_unit for r in recordings if r.force is not None), "N"),
+    )
 
 
 def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> list[dict[str, float]]:

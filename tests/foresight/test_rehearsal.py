@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.experiment.excitations import Excitation
-from dashpot.diagnose.experiment.rehearsal import apart, rehearse
 from dashpot.examples.truth import TRUTH
+from dashpot.foresight.excitation import Excitation
+from dashpot.foresight.rehearsal import apart, rehearse
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.linearised import off, orthonormal
 from dashpot.model import Oscillator
@@ -16,7 +16,7 @@ from dashpot.model.terms import with_term
 
 LINEAR = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0}
 OMEGA, HALF = LINEAR["omega0"], LINEAR["viscous"] / 2
-RATE, FS = 600.0, 1000.0
+RATE, FS, REACH = 600.0, 1000.0, 8e-3
 RELEASE = Excitation("decay", 4e-3, 1.0, (12.0, 12.0), 2.0)
 SWEEP = Excitation("sweep", 0.5, 1.0, (9.0, 16.0), 4.0)
 PLANS = (RELEASE, SWEEP)
@@ -37,7 +37,7 @@ def rehearsed(data):
         model = Oscillator.from_values(LINEAR | changed)
         if effect is not None:
             model = with_term(model, effect, parameters)
-        return rehearse(model, reference, PLANS, data, rate, FS)
+        return rehearse(model, reference, PLANS, data, rate, FS, REACH)
 
     return make
 
@@ -76,7 +76,7 @@ def test_noise_is_the_sensors_and_fewer_samples_count_for_as_much(rehearsed, dat
 def test_noise_of_the_force_comes_through_the_resonance(rehearsed, data):
     reference = Oscillator.from_values(LINEAR)
     loud = replace(data, force=(1e-2,))
-    played = rehearse(reference, reference, PLANS, loud, RATE, FS)
+    played = rehearse(reference, reference, PLANS, loud, RATE, FS, REACH)
     frequency = np.fft.rfftfreq(played.raw[1].size, 1 / RATE)
     density = played.noise[1].density
     natural = OMEGA / (2 * np.pi)
@@ -85,12 +85,12 @@ def test_noise_of_the_force_comes_through_the_resonance(rehearsed, data):
     assert np.max(density) == pytest.approx(peak, rel=0.1)  # between two lines
     assert np.ptp(played.noise[0].density) == 0.0  # a release has no force
     without = replace(reference, mass=None)
-    assert np.ptp(rehearse(reference, without, PLANS, loud, RATE, FS).noise[1].density) == 0.0
+    assert np.ptp(rehearse(reference, without, PLANS, loud, RATE, FS, REACH).noise[1].density) == 0.0
 
 
 def test_a_sensor_without_noise_counts_as_one_in_ten_thousand(data):
     reference = Oscillator.from_values(LINEAR)
-    played = rehearse(reference, reference, PLANS, replace(data, sensor=(0.0,)), RATE, FS)
+    played = rehearse(reference, reference, PLANS, replace(data, sensor=(0.0,)), RATE, FS, REACH)
     assert played.noise[0].density == pytest.approx((1e-4 * data.scales.response) ** 2)
 
 
