@@ -195,7 +195,7 @@ def proved(
 
     level = noise_of(model, like, noise, force_noise, beside)
     tests, fs = usual_tests(model, amplitude_of(model, amplitude), force=model.mass is not None)
-    independent = None if model.terms or min(model.preload.value, model.dry.value) < 0 else _independent()
+    independent = None if model.terms or min(model.preload.value, model.dry.value) < 0 else independent()
     return prove(
         model,
         tests,
@@ -221,7 +221,7 @@ def _named(model: Oscillator, recordings: Sequence[Recording]) -> list[str]:
     return [effect.effect for effect in found.effects]
 
 
-def _independent() -> tuple[str, Integrator]:
+def independent() -> tuple[str, Integrator]:
     from ..examples.oscillator import integrate_pieces
 
     def integrate(model: Oscillator, played: Excitation, fs: float) -> np.ndarray:

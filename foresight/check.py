@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import BadInput, printable
 from ..identify.fit.likeliest_modes import MEMBERS
-from ..identify.fit.plainest import Absent, given_none, likely_absent
+from ..identify.fit.plainest import Absent, at_least, given_none, likely_absent
 from ..identify.identification import belong_together, with_fixed
 from ..identify.problem.data import data_of, displacement_amplitude
 from ..identify.problem.structure import typical_sizes
@@ -98,7 +98,12 @@ def check(
     model = with_fixed(estimated(start, recordings, "rig"), fixed, final=True)
     data = data_of(recordings, model)
     progress("what these recordings tell")
-    found = of_information(information(model, data, recordings, tuple(fixed)), recordings)
+    whole = information(model, data, recordings, tuple(fixed))
+
+    def without(zero: Oscillator, gone: Sequence[str]) -> np.ndarray:
+        return information(zero, data, recordings, (*fixed, *gone)).covariance
+
+    found = of_information(whole, recordings, without)
     return replace(found, parameters=advised(found.parameters, found.model, data)) if found.follows else found
 
 
@@ -136,8 +141,19 @@ def said_before(
         say(line)
 
 
-def of_information(found: Information, recordings: Sequence[Recording]) -> Check:
-    """The check that follows from what recordings tell."""
+def of_information(
+    found: Information,
+    recordings: Sequence[Recording],
+    without: Callable[[Oscillator, Sequence[str]], np.ndarray] | None = None,
+) -> Check:
+    """The check that follows from what recordings tell.
+
+    Args:
+        found: what they tell of all parameters.
+        recordings: of one rig.
+        without: gives the covariance of the other parameters where some stay at zero; None takes what follows from that
+            of all, which may be less.
+    """
     model, names = found.model, found.names
     values = np.array([model.parameters()[name].value for name in names])
     absent = _absent(found)
@@ -153,7 +169,10 @@ def of_information(found: Information, recordings: Sequence[Recording]) -> Check
         left = [names[i] for i in kept]
         zero = model.with_parameters({name: Parameter(0.0, None, model.parameters()[name].unit) for name in gone})
         moved = {names[i]: Parameter(float(mean[i]), None, model.parameters()[names[i]].unit) for i in kept}
-        known = with_covariance(zero.with_parameters(moved), left, given[np.ix_(kept, kept)] + absent.spread)
+        plain, of_kept = zero.with_parameters(moved), given[np.ix_(kept, kept)]
+        if without is not None:
+            of_kept = at_least(of_kept, without(plain, gone))
+        known = with_covariance(plain, left, of_kept + absent.spread)
         better = {name: p for name, p in known.parameters().items() if name in left}
         parameters = [_told(t.name, better[t.name], False, False) if t.name in better else t for t in parameters]
     return Check(

@@ -22,6 +22,7 @@ from ..identify.fit.reweighted_fit import over_noise
 from ..identify.fit.scatter import noise_on_forces, scatter
 from ..identify.problem.data import Data, equivalent_resonance, noise_at
 from ..identify.problem.descent import search
+from ..identify.problem.jumps import smooth_stretches
 from ..identify.problem.linearised import Linearised
 from ..identify.problem.normal_equations import pseudo_inverse
 from ..identify.problem.output_error import OutputError, State
@@ -81,6 +82,10 @@ def information(
     """
     structure = Structure(model, data, fixed, ())
     problem, state, residuals = _near(structure, model, data, recordings, fixed)
+    smooth, state = smooth_stretches(problem, state)  # as a fit leaves out what jumps, and knows the less for it
+    if smooth != problem.segments:
+        problem = problem.over(smooth)
+        residuals = problem.residuals(state)
     near = with_values(model, state.values)
     over = over_noise(problem, residuals, state, model, recordings)
     remainders = None

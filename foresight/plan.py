@@ -39,8 +39,9 @@ _LOWER = numerics(0.85, "times the level", why="a step towards a level that keep
 _SPARE = numerics(
     0.85, "of the error wanted", why="what is planned for: an estimate of an error errs by a tenth itself"
 )
-_ROUNDS = budget(5, "rehearsals", why="in which a level is brought to the stroke, or a length to the error wanted")
-_FINALISTS = budget(4, "excitations", why="of which the length is found by further rehearsals")
+_ROUNDS = budget(5, "rehearsals", why="in which a level is brought to the stroke")
+_LENGTHS = budget(3, "rehearsals", why="in which a length is brought to the error wanted")
+_FINALISTS = budget(3, "excitations", why="of which the length is found by further rehearsals")
 _MOST_RELEASES = shown(20, "releases", why="more than anybody makes by hand")
 _SAMPLES = budget(400_000, "samples", why="of the longest rehearsal")
 _DIGITS = shown(2, "digits", why="of levels and lengths that a person sets")
@@ -327,7 +328,7 @@ class Stage:
 
     def _as_long_as_it_must_be(self, one: Judged) -> Judged:
         best = one
-        for _ in range(_ROUNDS):
+        for _ in range(_LENGTHS):
             longer = self._scaled(one)
             if longer == (one.excitation.seconds, one.excitation.repeats):
                 break

@@ -265,7 +265,7 @@ def _doubts(
     asked = max(len(parameters) * len(_WITHIN), 1)
     for c in parameters:
         for k, share in zip(_WITHIN, c.within, strict=True):
-            if not c.runs or _by_chance(round(share * c.runs), c.runs, math.erf(k / math.sqrt(2))) > BY_CHANCE / asked:
+            if not c.runs or by_chance(round(share * c.runs), c.runs, math.erf(k / math.sqrt(2))) > BY_CHANCE / asked:
                 continue
             doubts.append(
                 f"the errors of {c.name} do not hold: {round(share * c.runs)} of {c.runs} lie within {k} of them, "
@@ -285,7 +285,7 @@ def _doubts(
     return doubts
 
 
-def _by_chance(within: int, runs: int, share: float) -> float:
+def by_chance(within: int, runs: int, share: float) -> float:
     """How probable so few or fewer of so many are where each is within with that probability (binomial)."""
     return sum(math.comb(runs, k) * share**k * (1 - share) ** (runs - k) for k in range(within + 1))
 
