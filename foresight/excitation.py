@@ -21,7 +21,7 @@ KINDS = {
 
 _LINES = numerics(40, "lines of a multisine", why="enough to look like noise, few enough for each to stand above it")
 _SEED = numerics(1, "of the phases", why="any seed gives a multisine of as low a crest")
-_STEPS = numerics(12, "frequencies of a stepped sine", why="five lie within a resonance that fills half its band")
+STEPS = numerics(12, "frequencies of a stepped sine", why="five lie within a resonance that fills half its band")
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +72,8 @@ class Excitation:
     def _held(self, t: np.ndarray) -> np.ndarray:
         """(n,) frequency of a stepped sine, Hz: each held for the same time, evenly spread over the band."""
         low, high = self.band_hz
-        step = np.minimum((t / self.seconds * _STEPS).astype(int), _STEPS - 1)
-        return np.linspace(low, high, _STEPS)[step]
+        step = np.minimum((t / self.seconds * STEPS).astype(int), STEPS - 1)
+        return np.linspace(low, high, STEPS)[step]
 
     def sentence(self, length: str = "m", force: str = "N") -> str:
         """What to do, for a person; ``length`` and ``force`` are the units of displacement and force."""
@@ -87,7 +87,7 @@ class Excitation:
             return f"drive it at {low:.4g} Hz with {level} peak for {long} and stop at half time to let it ring down"
         way = f"from {low:.4g} to {high:.4g} Hz with {level} peak over {long}"
         if self.kind == "stepped":
-            return f"step a sine {way}, {_STEPS} frequencies of {self.seconds / _STEPS:.3g} s"
+            return f"step a sine {way}, {STEPS} frequencies of {self.seconds / STEPS:.3g} s"
         return {"sweep": "sweep", "random": "play random force", "multisine": "play a multisine"}[self.kind] + f" {way}"
 
 

@@ -22,7 +22,7 @@ from ..identify.signals.registry import budget, numerics, shown
 from ..model import Oscillator
 from ..model.display import scale_of
 from ..model.law import Scales
-from .excitation import Excitation
+from .excitation import STEPS, Excitation
 from .rehearsal import Played, rehearse
 from .virtual import DENSITY, Noise, natural_hz, recordings_of_plan, simulated, without_errors
 from .want import Want, errors_of, quantities, stated, wants_of
@@ -32,6 +32,7 @@ TESTS = ("decay", "sweep", "random", "stepped")
 
 _CYCLES = numerics(60.0, "natural cycles", why="of a first rehearsal; lengths follow from what it tells")
 _LEAST_CYCLES = numerics(20.0, "natural cycles", why="fewer are no recording that a fit takes for a motion of its own")
+_HELD = numerics(8.0, "natural cycles", why="of each frequency of a stepped sine, so that it is one")
 _LEVELS = numerics((1.0, 0.5, 0.2), "parts of the largest", why="what hinges on small motion shows at one of them")
 _BANDS = numerics(((0.8, 1.25), (0.5, 2.0)), "times the natural frequency", why="about the resonance, and around it")
 _NEAR = numerics(0.97, "of the stroke", why="to which a level is brought, so that noise does not lead beyond it")
@@ -267,7 +268,11 @@ class Stage:
         driven = []
         for below, above in _BANDS:
             band = (below * low, above * high)
-            driven += [Excitation(kind, 1.0, 1.0, band, seconds) for kind in self.bounds.tests if kind != "decay"]
+            driven += [
+                Excitation(kind, 1.0, 1.0, band, max(seconds, self._least(kind)))
+                for kind in self.bounds.tests
+                if kind != "decay"
+            ]
             if "sweep" in self.bounds.tests:
                 driven.append(Excitation("sweep", 1.0, 1.0, band[::-1], seconds))
         levels = self._levels(driven)
@@ -275,6 +280,10 @@ class Stage:
             if level is not None:
                 found += [replace(excitation, level=level * part, relative=part) for part in _LEVELS]
         return [_rounded(e) for e in found]
+
+    def _least(self, kind: str) -> float:
+        """Least seconds of a driven test."""
+        return (_HELD * STEPS if kind == "stepped" else _LEAST_CYCLES) / self.natural[0]
 
     def _levels(self, driven: Sequence[Excitation]) -> list[float | None]:
         """The largest level of each that keeps to stroke and force; None where none simulates."""
@@ -358,7 +367,7 @@ class Stage:
         if e.kind == "decay":
             often = min(_MOST_RELEASES, max(1, int(self.bounds.seconds // e.seconds)))
             return e.seconds, int(np.clip(math.ceil(e.repeats * min(needs, 1e6)), 1, often))
-        return float(np.clip(e.seconds * min(needs, 1e6), min(_LEAST_CYCLES / self.natural[0], most), most)), 1
+        return float(np.clip(e.seconds * min(needs, 1e6), min(self._least(e.kind), most), most)), 1
 
     def tried(self, excitation: Excitation, seed: Sequence[int]) -> Trial:
         """The plan simulated with noise and identified."""

@@ -78,7 +78,7 @@ TYPED = {
     "docs/programs.md": (),
     "docs/control.md": pytest.mark.long,
     **{f"docs/hosts/{host}.md": pytest.mark.long for host in ("simulink", "openmodelica", "dymola", "amesim")},
-    **{f"docs/howto/{path}.md": pytest.mark.long for path in ("vibration", "system", "control")},
+    **{f"docs/howto/{path}.md": pytest.mark.long for path in ("vibration", "system", "control", "before")},
 }
 
 
