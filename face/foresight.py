@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 
 from ..errors import BadInput
-from ..files.arguments import several_of
+from ..files.arguments import number_of, several_of, shown, text_of
 from ..recording import Reading, Recording, recordings_of
 from ..recording.prescribed import refuse_channels
 from .model import Model, oscillator_of
@@ -41,12 +41,19 @@ def checked(
     from ..identify.motion.modes import mode_beside
     from ..model import Response
     from ..model.known_values import known_values
+    from ..model.limits import checked_value
 
     recordings = read()
     refuse_channels(recordings)
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
+    if fixed is not None and not isinstance(fixed, Mapping):
+        raise BadInput(f'fixed is such as {{"mass": 0.27}}, not {shown(fixed)}')
     stated = {**(fixed or {}), **({} if mass is None else {"mass": mass})}
+    for key, value in stated.items():
+        text_of(key, "the name of a parameter")
+        if not isinstance(value, str):
+            checked_value(key, value)
     force = next((r.force_unit for r in recordings if r.force is not None), "N")
     known = known_values(stated, [], Response(recordings[0].quantity, recordings[0].unit), force)
     alone = mode_beside(recordings, mode, None, notes)[0]
@@ -107,11 +114,10 @@ def _of_model(model: Oscillator, folder: Path) -> list[Recording]:
 
 def size(given: float | str, unit: str, what: str) -> float:
     """A number in ``unit``, as such or as a text with a unit of its own; raises BadInput for another."""
-    from ..model.limits import plain_number
     from ..model.quantity import converted, said
 
     if not isinstance(given, str):
-        number = plain_number(what, given)
+        number = number_of(given, what)
     else:
         number, own = said(given, what)
         found = number if not own else converted(number, own, unit, what)
@@ -144,9 +150,11 @@ def planned(
     from ..foresight.plan import TESTS, Bounds, plan
 
     wants = [want] if isinstance(want, str) else several_of(want, "what is wanted")
+    for one in wants:
+        text_of(one, "what is wanted, such as 'cubic 1%',")
     kinds = [tests] if isinstance(tests, str) else several_of(tests, "tests")
     for kind in kinds:
-        if kind not in TESTS:
+        if text_of(kind, "a test") not in TESTS:
             raise BadInput(f"{kind!r} is no test; there are {', '.join(TESTS)}")
     bounds = Bounds(
         amplitude=amplitude_of(model, most_amplitude),
@@ -154,10 +162,11 @@ def planned(
         seconds=Bounds(1.0).seconds if most_seconds is None else above(most_seconds, "s", "the most time"),
         tests=tuple(kinds) or TESTS,
     )
+    often = {"tries": whole(tries, "tries", 0), "seed": whole(seed, "seed", 0)}
     level = noise_of(model, like, noise, force_noise, beside)
     if fs is not None:
         fs = above(fs, "Hz", "the sampling rate")
-    return plan(model, wants, bounds, level, fs=fs, tries=tries, seed=seed, progress=progress)
+    return plan(model, wants, bounds, level, fs=fs, **often, progress=progress)
 
 
 def above(given: float | str, unit: str, what: str) -> float:
@@ -166,6 +175,14 @@ def above(given: float | str, unit: str, what: str) -> float:
     if not number > 0:
         raise BadInput(f"{what} is {given!r}; give a number above zero")
     return number
+
+
+def whole(given: Any, what: str, least: int) -> int:
+    """A whole number from ``least`` on; raises BadInput for another thing."""
+    number = number_of(given, what)
+    if not (math.isfinite(number) and number == int(number) and number >= least):
+        raise BadInput(f"{what} must be a whole number from {least} on, not {shown(given)}")
+    return int(number)
 
 
 def amplitude_of(model: Oscillator, given: float | str | None) -> float:
@@ -193,6 +210,10 @@ def proved(
     """A rig simulated, identified again and counted; for arguments and errors see ``commands.prove_on``."""
     from ..foresight.proof import prove, usual_tests
 
+    if hide is not None:
+        text_of(hide, "the law to hide")
+    count = (_HIDDEN_RUNS if hide else _RUNS) if runs is None else whole(runs, "runs", 1)
+    seed = whole(seed, "seed", 0)
     level = noise_of(model, like, noise, force_noise, beside)
     tests, fs = usual_tests(model, amplitude_of(model, amplitude), force=model.mass is not None)
     known = not model.terms and min(model.preload.value, model.dry.value) >= 0
@@ -201,7 +222,7 @@ def proved(
         tests,
         level,
         fs=fs,
-        runs=(_HIDDEN_RUNS if hide else _RUNS) if runs is None else runs,
+        runs=count,
         seed=seed,
         integrator=independent() if known else None,
         hidden=hide,

@@ -31,7 +31,21 @@ _NAMES = {
 _ALIKE = frozenset(
     (
         *Reading.__annotations__,
-        *("mass", "mode", "faults", "holdout", "seconds", "draws", "seed", "backend", "dof", "step", "name"),
+        *(
+            "noise",
+            "like",
+            "mass",
+            "mode",
+            "faults",
+            "holdout",
+            "seconds",
+            "draws",
+            "seed",
+            "backend",
+            "dof",
+            "step",
+            "name",
+        ),
     )
 )
 #: Those whose values are texts, and those that take names with values.

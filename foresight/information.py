@@ -14,8 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..errors import BadInput
 from ..identify.fit.climb import best_climb
-from ..identify.fit.from_prediction import keeps_step
+from ..identify.fit.from_prediction import keeps_step, simulates
 from ..identify.fit.hold import find_hold
 from ..identify.fit.offsets import kept_offsets, zeros_of
 from ..identify.fit.reweighted_fit import over_noise
@@ -82,6 +83,8 @@ def information(
     """
     structure = Structure(model, data, fixed, ())
     problem, state, residuals = _near(structure, model, data, recordings, fixed)
+    if not all(np.all(np.isfinite(left)) for left in residuals):
+        raise BadInput("no model of Eq. 17 was found that simulates along these recordings; check units and signs")
     smooth, state = smooth_stretches(problem, state)  # as a fit leaves out what jumps, and knows the less for it
     if smooth != problem.segments:
         problem = problem.over(smooth)
@@ -139,6 +142,8 @@ def foretold(model: Oscillator, data: Data, recordings: Sequence[Recording], fix
     structure = Structure(model, data, fixed, ())
     problem = structure.problem
     state = settled(problem, structure.state(None))
+    if not simulates(problem, state):
+        raise BadInput("the model does not simulate along these recordings from its start values")
     residuals, rows = problem.residuals_with_derivatives(state, single=True)
     noise = [
         expected_spectrum(segment, model, *noise_levels(recordings[segment.recording])) for segment in problem.segments

@@ -10,11 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
+from ..identify.signals.registry import shown
 from ..model import Oscillator
 from ..model.parameter import Parameter
 from ..model.physical import machine
 from ..model.quantity import converted, said
 from .information import with_covariance
+
+_LONGEST = shown(60, "characters", why="of what is asked, in a message")
 
 
 @dataclass(frozen=True)
@@ -42,8 +45,10 @@ def wants_of(texts: Sequence[str], model: Oscillator) -> tuple[Want, ...]:
 
 
 def _want(text: str, model: Oscillator) -> Want:
-    name, _, size = str(text).strip().partition(" ")
+    name, _, size = text.strip().partition(" ")
     known = quantities(model)
+    text = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+    name = name[:_LONGEST]
     if name not in known and f"{name}.coefficient" in known:
         name = f"{name}.coefficient"
     if name not in known:

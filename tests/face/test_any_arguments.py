@@ -68,6 +68,24 @@ def calls(model, tmp_path_factory):
         "verify": lambda it: dashpot.verify(it, decay),
         "diagnose": lambda it: dashpot.diagnose(it, decay),
         "holdout": lambda it: dashpot.diagnose(model, holdout=it),
+        "check": lambda it: dashpot.check(it),
+        "check fixed": lambda it: dashpot.check(decay, fixed=it),
+        "check mass": lambda it: dashpot.check(decay, mass=it),
+        "plan": lambda it: dashpot.plan(it, "cubic 1%"),
+        "plan want": lambda it: dashpot.plan(model, it, noise="1 um", most_amplitude="1 mm", tests="stepped", tries=0),
+        "plan noise": lambda it: dashpot.plan(model, "absent 1%", noise=it, most_amplitude="1 mm"),
+        "plan like": lambda it: dashpot.plan(model, "absent 1%", like=it, most_amplitude="1 mm"),
+        "plan limits": lambda it: dashpot.plan(
+            model, "absent 1%", noise=1.0, most_amplitude=it, most_force=it, most_seconds=it, tests=it
+        ),
+        "plan counts": lambda it: dashpot.plan(model, "absent 1%", noise=1.0, most_amplitude=1.0, tries=it, seed=it),
+        "prove_on": lambda it: dashpot.prove_on(it, noise=1e-6),
+        "prove_on hide": lambda it: dashpot.prove_on(
+            model, noise=1e-6, amplitude=1e-3, hide="none" if it is None else it
+        ),
+        "prove_on counts": lambda it: dashpot.prove_on(
+            model, noise=1e-6, amplitude=1e-3, hide="none", runs=it, seed=it
+        ),
         "compare": lambda it: dashpot.compare(it, model),
         "compare repeats": lambda it: dashpot.compare(model, model, it),
         "watch": dashpot.watch,
