@@ -133,7 +133,7 @@ def hilbert(
     recordings: tuple[Path, ...],
     output: Path,
     as_json: bool,
-    figures: str | None,
+    figures: tuple[str, ...],
     mode: str | None,
     **options: Any,
 ) -> None:
@@ -233,7 +233,7 @@ def identify(
     faults: bool,
     every: bool,
     max_left: MostLeft | None,
-    figures: str | None,
+    figures: tuple[str, ...],
     **options: Any,
 ) -> None:
     """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
@@ -341,7 +341,7 @@ def diagnose(
     output: Path,
     as_json: bool,
     seconds: float | None,
-    figures: str | None,
+    figures: tuple[str, ...],
     mode: str | None,
     **options: Any,
 ) -> None:
@@ -388,7 +388,7 @@ def verify(
     recordings: tuple[Path, ...],
     json_file: Path | None,
     report: Path | None,
-    figures: str | None,
+    figures: tuple[str, ...],
     time_limit: float,
     **options: Any,
 ) -> None:
@@ -400,8 +400,9 @@ def verify(
     from ..face.workflow import write_verification
 
     printed = json_file == Path("-")
-    if figures and report is None:
-        raise BadInput(f"--figures {figures}: the pictures stand beside a page; name one with --report OUT.html")
+    if figures and report is None and (printed or json_file is None):
+        kinds, place = ",".join(figures), "name one with --report OUT.html or --json OUT.json"
+        raise BadInput(f"--figures {kinds}: the pictures go into a folder beside a page or a result; {place}")
     outputs = [path for path in (None if printed else json_file, report) if path is not None]
     outputs_checked(outputs, [fmu, *recordings])
 

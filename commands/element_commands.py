@@ -18,7 +18,7 @@ def identify(
     recordings: tuple[Path, ...],
     output: Path,
     report: Path | None,
-    figures: str | None,
+    figures: tuple[str, ...],
     *,
     name: str | None,
     laws: tuple[str, ...],
@@ -72,7 +72,7 @@ def diagnose(
     *,
     as_json: bool,
     seconds: float,
-    figures: str | None,
+    figures: tuple[str, ...],
     options: dict[str, Any],
 ) -> None:
     """Ask which laws an element lacks, and write what was found; arguments as of ``dashpot diagnose``."""

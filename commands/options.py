@@ -125,10 +125,22 @@ def with_time_limit(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def with_figures(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option that draws the pictures of a page as files."""
-    kinds = click.Choice(["pdf", "png", "svg"])
-    return click.option("--figures", type=kinds, help="Draw each picture of the page as a file of that kind too.")(
-        command
-    )
+    return click.option(
+        "--figures",
+        metavar="pdf|png|svg",
+        callback=lambda _context, _option, text: _kinds(text),
+        help="Draw each picture of the page as a file too, into a folder of figures; several kinds: pdf,svg.",
+    )(command)
+
+
+def _kinds(text: str | None) -> tuple[str, ...]:
+    from ..errors import BadInput
+    from ..face.figures import kinds_of
+
+    try:
+        return kinds_of(text) if text is not None else ()
+    except BadInput as problem:
+        raise click.BadParameter(str(problem)) from None
 
 
 def with_mode(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -17,7 +17,8 @@ from ..errors import BadInput
 from ..files.arguments import path_of
 from ..model.element import Element
 from ..recording import Reading, Recording, recordings_of
-from .workflow import FIGURES, Say, rig_of, seconds_allowed, silent, write_figures
+from .figures import FIGURES, beside, figures_of, write_figures
+from .workflow import Say, rig_of, seconds_allowed, silent
 
 if TYPE_CHECKING:
     from ..model.oscillator import Oscillator
@@ -58,20 +59,20 @@ def begun_by(start: Model | Oscillator | ForceElement | Element | str | Path) ->
     return oscillator_of(start)
 
 
-def write_element(fit: ElementFit, model: Path, report: Path | None = None, figures: str | None = None) -> list[Path]:
+def write_element(fit: ElementFit, model: Path, report: Path | None = None, figures: Sequence[str] = ()) -> list[Path]:
     """Write the file of an element, the page and the pictures where asked for, or none; returns the pictures' paths."""
     from ..files.writing import together, write
     from ..model.element_file import save_element
 
     drawn: list[Path] = []
     with together():
-        if report is not None or figures is not None:
+        if report is not None or figures:
             from ..report.element_page import element_page
 
             page = element_page(fit, files=(model.name,))
             if report is not None:
                 write(report, page.html)
-            drawn = write_figures(page, model.with_name(f"{model.stem}-{FIGURES}"), figures)
+            drawn = write_figures(page, beside(model), figures)
         save_element(fit.element, model)
     return drawn
 
@@ -88,7 +89,7 @@ def fmu_of(element: Element) -> bytes | None:
 
 
 def write_element_diagnosis(
-    folder: Path, found: ElementFound, made: bytes | None, figures: str | None = None
+    folder: Path, found: ElementFound, made: bytes | None, figures: Sequence[str] = ()
 ) -> list[Path]:
     """Write a diagnosis, its page and the mended element into a folder, all or none; returns the paths.
 
@@ -244,6 +245,18 @@ class ForceElement:
         save_element(self.element, target)
         return target
 
+    def figures(self, folder: str | Path, kinds: str | Sequence[str] = "svg") -> list[Path]:
+        """Draw the charts of the page as files into a folder, in one or several of pdf, png, svg; returns the paths.
+
+        Raises BadInput where the element was not identified here, or as ``Model.figures``.
+        """
+        fit = self.fit
+        if fit is None:
+            raise BadInput("pictures are of an identification, and this element was loaded; identify it here")
+        from ..report.element_page import element_page
+
+        return figures_of(lambda: element_page(fit), folder, kinds)
+
 
 def described(element: Element) -> str:
     """The element as text: equation, parameters with errors, what it is valid for, where it comes from."""
@@ -381,6 +394,12 @@ class ElementDiagnosis:
         target = path_of(folder, "a folder")
         check_folder(target)
         return write_element_diagnosis(target, self.found, fmu_of(self.found.best.element))
+
+    def figures(self, folder: str | Path, kinds: str | Sequence[str] = "svg") -> list[Path]:
+        """Draw the charts of the page as files, as ``ForceElement.figures``."""
+        from ..report.element_page import element_diagnosis_page
+
+        return figures_of(lambda: element_diagnosis_page(self.found), folder, kinds)
 
 
 def diagnosed_element(

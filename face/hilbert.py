@@ -13,7 +13,8 @@ import numpy as np
 from ..errors import BadInput
 from ..files.writing import together, write
 from ..recording import Recording
-from .workflow import FIGURES, Say, analysed, write_figures
+from .figures import FIGURES, figures_of, write_figures
+from .workflow import Say, analysed
 
 if TYPE_CHECKING:
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
@@ -101,9 +102,19 @@ class Hilbert:
         """Write curves.csv, hilbert.json and report.html into a folder; returns their paths."""
         return write_files(self.analysis, self.recordings, Path(folder))[1]
 
+    def figures(self, folder: str | Path, kinds: str | Sequence[str] = "svg") -> list[Path]:
+        """Draw the charts of the page as files into a folder, in one or several of pdf, png, svg; returns the paths.
+
+        Raises:
+            BadInput: a kind is not known, or the folder cannot be written.
+        """
+        from ..report.hilbert_page import hilbert_page
+
+        return figures_of(lambda: hilbert_page(self.analysis, self.recordings, FILES[:2]), folder, kinds)
+
 
 def run(
-    recordings: Sequence[Recording], mode: str | None, folder: Path, say: Say, figures: str | None = None
+    recordings: Sequence[Recording], mode: str | None, folder: Path, say: Say, figures: Sequence[str] = ()
 ) -> tuple[dict[str, Any], str]:
     """Analyse recordings and write ``FILES`` into a folder; returns what stands in the JSON file, and a summary.
 
@@ -113,7 +124,7 @@ def run(
             ``all``: one after the other, each into a folder of its own in `folder`.
         folder: made where it does not exist.
         say: called with one line per remark.
-        figures: kind of file that each picture of the page is drawn as too; None: of none.
+        figures: kinds of files that each picture of the page is drawn as too.
 
     Raises:
         BadInput: nothing can be evaluated, or a file cannot be written.
@@ -131,7 +142,7 @@ def run(
 
 
 def _each_mode(
-    recordings: Sequence[Recording], folder: Path, say: Say, figures: str | None
+    recordings: Sequence[Recording], folder: Path, say: Say, figures: Sequence[str]
 ) -> tuple[dict[str, Any], str]:
     """As ``run``, mode by mode; what no mode that was evaluated holds of the motion is said as the share left out."""
     from ..identify.motion.mode_lines import modes_of
@@ -158,7 +169,7 @@ def _each_mode(
 
 
 def write_files(
-    analysis: HilbertAnalysis, recordings: Sequence[Recording], folder: Path, figures: str | None = None
+    analysis: HilbertAnalysis, recordings: Sequence[Recording], folder: Path, figures: Sequence[str] = ()
 ) -> tuple[dict[str, Any], list[Path]]:
     """Write ``FILES`` of an analysis of these recordings into a folder, and its pictures, all or none.
 

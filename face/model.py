@@ -17,9 +17,10 @@ from ..model import Oscillator, Parameter, Response, oscillator_with
 from ..model.limits import checked_value
 from ..model.oscillator import QUANTITIES
 from ..recording import Reading, recordings_of
+from .figures import figures_of
 from .options import mode_text, with_reading
 from .python_words import in_python, speaks_python
-from .workflow import Say, diagnosed, exported, seconds_allowed, write_diagnosis
+from .workflow import Say, diagnosed, exported, page_of_diagnosis, seconds_allowed, write_diagnosis
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis as Result
@@ -256,6 +257,20 @@ class Model:
         return path
 
     @speaks_python
+    def figures(self, folder: str | Path, kinds: str | Sequence[str] = "svg") -> list[Path]:
+        """Draw the charts of the report as files into a folder, in one or several of pdf, png, svg; returns the paths.
+
+        Raises:
+            BadInput: a kind is not known, the folder cannot be written, or the model was not identified here.
+        """
+        found = self.identification
+        if found is None:
+            raise BadInput("pictures are of an identification, and this model was loaded; identify it here")
+        from ..report.page import identification_page
+
+        return figures_of(lambda: identification_page(found), folder, kinds)
+
+    @speaks_python
     def export(self, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
         """Write .fmu, .casadi, .c, .py, .m, .mo or .ssp files; ``options`` are those of ``dashpot.export.export``.
 
@@ -362,6 +377,15 @@ class Diagnosis:
         folder = path_of(folder, "a folder for the diagnosis")
         check_folder(folder)
         return write_diagnosis(folder, self.result, self.fmu)
+
+    @speaks_python
+    def figures(self, folder: str | Path, kinds: str | Sequence[str] = "svg") -> list[Path]:
+        """Draw the charts of the page as files into a folder, in one or several of pdf, png, svg; returns the paths.
+
+        Raises:
+            BadInput: a kind is not known, or the folder cannot be written.
+        """
+        return figures_of(lambda: page_of_diagnosis(self.result, self.fmu), folder, kinds)
 
 
 def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import BadInput
 from ..files.arguments import text_of
 from ..recording.prescribed import refuse_channels
+from .figures import FIGURES, beside, write_figures
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis
@@ -32,9 +33,6 @@ if TYPE_CHECKING:
     from ..verify.verification import Verification
 
 Say = Callable[[str], None]
-
-#: Folder of the pictures of a page.
-FIGURES = "figures"
 
 #: The environment variable that says how long a diagnosis may take where nobody else does, and what it then may, s.
 SECONDS, USUAL_SECONDS = "DASHPOT_SECONDS", 60.0
@@ -210,25 +208,10 @@ def _stem(recordings: Sequence[Recording]) -> str:
     return Path(name.partition("#")[0]).name.partition(".")[0] or "oscillator"
 
 
-def write_figures(page: Page, folder: Path, kind: str | None) -> list[Path]:
-    """Draw each chart of a page as a file of that kind in a folder, none where it is None; returns their paths."""
-    from ..report.matplotlib_figure import save
-
-    paths = [folder / f"{chart.key}.{kind}" for chart in page.charts] if kind else []
-    for chart, path in zip(page.charts, paths, strict=False):
-        save(chart, path)
-    return paths
-
-
-def _beside(file: Path) -> Path:
-    """The folder of the pictures that belong to a file."""
-    return file.with_name(f"{file.stem}-{FIGURES}")
-
-
 def write_identification(
-    found: Identification, model: Path, report: Path | None = None, figures: str | None = None
+    found: Identification, model: Path, report: Path | None = None, figures: Sequence[str] = ()
 ) -> list[Path]:
-    """Write the model file, the page where a place is given for it, and the pictures where a kind of file is, or none.
+    """Write the model file, the page where a place is given for it, and the pictures in the kinds of files that are, or none.
 
     Returns:
         The paths of the pictures, in a folder beside the model. Raises BadInput.
@@ -238,13 +221,13 @@ def write_identification(
 
     drawn: list[Path] = []
     with together():
-        if report is not None or figures is not None:
+        if report is not None or figures:
             from ..report.page import identification_page
 
             page = identification_page(found, files=(model.name,))
             if report is not None:
                 write(report, page.html)
-            drawn = write_figures(page, _beside(model), figures)
+            drawn = write_figures(page, beside(model), figures)
         save(found.oscillator, model)
     return drawn
 
@@ -302,10 +285,10 @@ def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> Page:
     return diagnosis_page(found, files=(DIAGNOSIS, MODEL, *(name for name, content in there.items() if content)))
 
 
-def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None, figures: str | None = None) -> list[Path]:
+def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None, figures: Sequence[str] = ()) -> list[Path]:
     """Write a diagnosis, its page, pictures, model and FMU into a folder, all or none; returns the paths.
 
-    ``figures`` is the kind of file that each picture is drawn as, None for no files of them. Raises BadInput.
+    ``figures`` are the kinds of files that each picture is drawn as. Raises BadInput.
     """
     from ..diagnose.files import write_folder
     from ..files.writing import together
@@ -354,7 +337,7 @@ def exported(
 
 
 def write_verification(
-    found: Verification, data: Path | None, report: Path | None, figures: str | None = None
+    found: Verification, data: Path | None, report: Path | None, figures: Sequence[str] = ()
 ) -> list[Path]:
     """Write what a verification says as JSON and as a page, where places are given, with the page's pictures as files.
 
@@ -366,10 +349,12 @@ def write_verification(
     with together():
         if data is not None:
             write(data, json.dumps(found.as_json(), indent=2, allow_nan=False) + "\n")
-        if report is not None:
+        place = report or data
+        if place is not None and (report is not None or figures):
             from ..report.verification_page import verification_page
 
             page = verification_page(found)
-            write(report, page.html)
-            return write_figures(page, _beside(report), figures)
+            if report is not None:
+                write(report, page.html)
+            return write_figures(page, beside(place), figures)
     return []

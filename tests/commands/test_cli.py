@@ -86,12 +86,13 @@ def test_every_command_of_the_design_has_its_help(capsys):
 
 def test_from_recordings_to_a_proven_fmu(capsys, tmp_path, sweep, decay):
     made = tmp_path / "new folder" / "model.yaml"
-    pages = ("--report", tmp_path / "r.html", "--figures", "png")
+    pages = ("--report", tmp_path / "r.html", "--figures", "png,svg")
     code, out, err = run(capsys, "identify", sweep, decay, "-o", made, "--name", "stand", *pages)
     assert code == 0, err
     drawn = sorted((tmp_path / "new folder" / "model-figures").iterdir())
-    assert {"backbone.png", "stiffness.png", "recording-2.png"} <= {path.name for path in drawn}
-    assert all(path.read_bytes().startswith(b"\x89PNG") and str(path) in err for path in drawn)
+    assert {"backbone.png", "stiffness.png", "recording-2.png", "backbone.svg"} <= {path.name for path in drawn}
+    begins = {".png": b"\x89PNG", ".svg": b"<?xml"}
+    assert all(path.read_bytes().startswith(begins[path.suffix]) and str(path) in err for path in drawn)
     assert "mass" in out
     assert "±" in out
     identified = load(made)
@@ -122,9 +123,12 @@ def test_a_wrong_model_fails_the_proof_with_exit_code_1(capsys, tmp_path, sweep)
     assert run(capsys, "export", wrong, tmp_path / "wrong.fmu")[0] == 0
     code, _, err = run(capsys, "verify", tmp_path / "wrong.fmu", sweep, "--figures", "svg")
     assert code == 2
-    assert "name one with --report OUT.html" in err
-    code, out, _ = run(capsys, "verify", tmp_path / "wrong.fmu", sweep)
+    assert "name one with --report OUT.html or --json OUT.json" in err
+    code, out, _ = run(
+        capsys, "verify", tmp_path / "wrong.fmu", sweep, "--json", tmp_path / "v.json", "--figures", "svg"
+    )
     assert code == 1
+    assert (tmp_path / "v-figures" / "backbones-1.svg").read_bytes().startswith(b"<?xml")
     assert "does not reproduce sweep.csv; sweep.csv: an NRMSE of " in out
 
 
