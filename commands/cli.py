@@ -99,19 +99,30 @@ def paper(output: Path) -> None:
 
 @cli.command()
 @click.argument("files", nargs=-1, required=True, type=FILE)
+@click.option("--page", type=FILE, metavar="OUT.html", help="HTML page to write: the recordings to look at by mouse.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @with_recordings
-def look(files: tuple[Path, ...], as_json: bool, **options: Any) -> None:
-    """What would be read of files: channels, units, rates, kinds of motion, a small picture; nothing else is done."""
+def look(files: tuple[Path, ...], page: Path | None, as_json: bool, **options: Any) -> None:
+    """What would be read of files: channels, units, rates, kinds of motion, a small picture; nothing else is done.
+
+    --page draws them to be enlarged by mouse, finger or keys: pieces that a fit takes and leaves, with the reasons;
+    two cursors that show the --part to paste, and modes to click that show the --mode.
+    """
     from ..face.look import described
     from ..face.look import look as seen_in
+    from ..face.looked import Look
 
-    entries, refused = [], []
+    outputs_checked([page] if page else [], files)
+    seen, refused = [], []
     for place, file in enumerate(files):
         try:
-            entries += seen_in(file, options, place)
+            seen += seen_in(file, options, place)
         except BadInput as problem:  # the other files are shown all the same
             refused.append(str(problem))
+    entries = [one.entry for one in seen]
+    if page is not None and any(one.read for one in seen):
+        Look(seen).save(page)
+        say(f"written: {page}")
     if as_json:
         print_json(entries)
     elif entries:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .doctor import Checkup
     from .element import ForceElement
     from .hilbert import Hilbert
+    from .looked import Look
     from .model import Diagnosis
     from .simulation import Simulation
 
@@ -327,18 +328,30 @@ def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Read
 
 
 @with_reading
-def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]:
-    """What would be read of files, one dictionary a record: channels, units, rate, kind of motion, a small picture.
+def look(*given: Any, **options: Unpack[Reading]) -> Look:
+    """What would be read of files: channels, units, rate, kind of motion, pieces that a fit takes and leaves, and why.
+
+    It prints in words, and shows itself in a notebook: drag over the recording to enlarge it; two cursors give the
+    ``part`` to paste, a click on a mode the ``mode``. Nothing in it asks Python. ``save("look.html")`` writes the page.
+
+    Args:
+        given: files, or whatever else ``dashpot.read`` takes.
+        options: how to read, see ``dashpot.recording.Reading``.
+
+    Returns:
+        A list, one dictionary a record; what is refused of a file has its sentence under ``refused``.
+
+    Raises:
+        BadInput: a file is not there, or something is no recording.
 
     >>> import dashpot
     >>> (record,) = dashpot.look(dashpot.examples.recordings()["bursts"])
     >>> record["recordings"][0]["motion"]
     'bursts'
     """
-    from .look import look as seen_in
+    from .looked import looked_at
 
-    places = enumerate(files)
-    return [entry for place, file in places for entry in seen_in(path_of(file, "a recording"), options, place)]
+    return looked_at(given, options)
 
 
 def load_laws(path: str | Path) -> tuple[Law, ...]:

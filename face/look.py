@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,8 +26,26 @@ _OPTIONS = (
 )
 
 
-def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[dict[str, Any]]:
-    """What would be read of a file, one dictionary a record; what is refused has its sentence under ``refused``.
+@dataclass(frozen=True)
+class Seen:
+    """A record: what is said of it, and of each response the recording, None where it was refused.
+
+    ``file`` is how it is named where it is read again, None for what has no name; ``part`` the seconds that were read.
+    """
+
+    entry: dict[str, Any]
+    recordings: tuple[Recording | None, ...]
+    file: str | None
+    part: tuple[float, float] | None = None
+
+    @property
+    def read(self) -> bool:
+        """Whether there is a recording of it."""
+        return any(recording is not None for recording in self.recordings)
+
+
+def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[Seen]:
+    """What would be read of a file, one of each record; what is refused has its sentence under ``refused``.
 
     Args:
         path: of the file, with the name of a record behind # where one is meant.
@@ -64,17 +83,43 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[dict[st
             "fs_stated": table.fs,
             "recordings": [],
         }
+        read: list[Recording | None] = []
         for response in responses or (said,):
             try:
                 reading = how | {"response": response, "sha256": sha256}
                 parts = told.each(lambda reading=reading, table=table: parts_of(table, reading))
                 taken = [one.index for one in sought(table, own) if one.index is not None]
                 columns_taken = _roles(table, response, how, taken)
-                entry["recordings"] += [{"columns": columns_taken, **_facts(part)} for part in parts]
+                entry["recordings"] += [{"columns": columns_taken, **facts(part)} for part in parts]
+                read += parts
             except BadInput as problem:
                 entry["recordings"].append({"refused": str(problem)})
-        seen.append(entry)
+                read.append(None)
+        seen.append(Seen(entry, tuple(read), str(path), how["part"]))
     return seen
+
+
+def look_at_object(given: Any, options: Mapping[str, Any]) -> list[Seen]:
+    """The same of a Recording, or of what a program holds, as ``dashpot.read`` takes it; raises BadInput."""
+    from ..recording import Recording, recordings_of
+    from ..recording.part import part_of
+
+    known = isinstance(given, Recording)  # which is as it is, whole
+    part = None if known or not options.get("part") else part_of(options["part"])
+    return [
+        Seen(
+            {
+                "record": recording.name,
+                "channels": [],
+                "fs_stated": None,
+                "recordings": [{"columns": {}, **facts(recording)}],
+            },
+            (recording,),
+            recording.name if known else None,
+            part,
+        )
+        for recording in recordings_of(given, **options)
+    ]
 
 
 def _roles(table: Table, response: str | None, how: Mapping[str, Any], taken: Sequence[int]) -> dict[str, str | None]:
@@ -88,13 +133,15 @@ def _roles(table: Table, response: str | None, how: Mapping[str, Any], taken: Se
     return {role: None if i is None else table.label(i).strip("'") for role, i in indices.items()}
 
 
-def _facts(recording: Recording) -> dict[str, Any]:
+def facts(recording: Recording) -> dict[str, Any]:
+    """What is said of a recording, by names that a program reads; raises BadInput."""
     from ..identify.motion.decays import find_free_motion
     from ..identify.motion.excitation import kind_of
     from ..identify.motion.mode_lines import modes_of
 
     imposed = recording.prescribed
     free = None if imposed else find_free_motion(recording)
+    pieces, left = ([], []) if free is None else _pieces(recording, free)
     signals = [("prescribed" if imposed else "response", recording.response, recording.unit)]
     if recording.force is not None:
         signals.append(("force", recording.force, recording.force_unit))
@@ -111,19 +158,22 @@ def _facts(recording: Recording) -> dict[str, Any]:
             | {"picture": sparkline(signal) if np.ptp(signal) > 0 else "the same throughout"}
             for role, signal, unit in signals
         ],
-        "pieces": [] if free is None else _pieces(recording, free),
+        "pieces": pieces,
+        "left": left,
         "modes": [] if free is None else [mode.as_json() for mode in modes_of([recording], struck=True)],
         "notes": list(dict.fromkeys([*recording.notes, *(() if free is None else free.notes)])),
     }
 
 
-def _pieces(recording: Recording, free: FreeMotion) -> list[dict[str, Any]]:
-    """What a fit would take of a recording, in order: of what kind, from where to where in s from the first sample.
+def _pieces(recording: Recording, free: FreeMotion) -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """What a fit would take of a recording, of what kind, and what it would leave, why; each in order.
 
-    That is what ``--part`` takes.
+    From where to where is in s from the first sample, as ``--part`` takes it.
     """
-    from ..identify.problem.segments import cut
+    from ..identify.problem.segments import cut, pace_of
+    from ..identify.problem.why_left import why_left
     from ..identify.signals.hilbert import dominant_frequency
+    from ..report.used import unused
 
     known = [decay.omega for decay in free.decays if decay.omega]
     try:
@@ -132,15 +182,17 @@ def _pieces(recording: Recording, free: FreeMotion) -> list[dict[str, Any]]:
         )
         taken = cut([recording], omega)
     except BadInput:  # nothing moves
-        return []
-    return [
-        {
-            "kind": piece.kind,
-            "start": piece.start / recording.fs,
-            "stop": piece.stop / recording.fs,
-        }
-        for piece in sorted(taken, key=lambda piece: piece.start)
+        return [], []
+    pace = pace_of([recording], omega)
+    left = [
+        (start, stop, why_left(recording, start, stop, pace))
+        for start, stop in unused(recording, [(piece.start, piece.stop) for piece in taken])
     ]
+    fs = recording.fs
+    return [
+        {"kind": piece.kind, "start": piece.start / fs, "stop": piece.stop / fs}
+        for piece in sorted(taken, key=lambda piece: piece.start)
+    ], [{"start": start / fs, "stop": stop / fs, "why": why} for start, stop, why in left]
 
 
 def _rms(signal: np.ndarray) -> float:
@@ -164,7 +216,8 @@ def described(entry: Mapping[str, Any]) -> str:
         for channel in entry["channels"][:40]
     )
     more = len(entry["channels"]) - 40
-    lines = [entry["record"], f"  channels   {channels}{f' and {more} more' if more > 0 else ''}"]
+    lines = [entry["record"]]
+    lines += [f"  channels   {channels}{f' and {more} more' if more > 0 else ''}"] if channels else []
     for recording in entry["recordings"]:
         lines += _lines(recording)
     return printable("\n".join(lines))
@@ -177,7 +230,7 @@ def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
         return [f"  refused    {sentence}" for sentence in recording["refused"].split("\n")]
     columns = ", ".join(f"{role} = {name}" for role, name in recording["columns"].items() if name is not None)
     lines = [
-        f"  read as    {columns}; {recording['quantity']}",
+        f"  read as    {columns}{'; ' if columns else ''}{recording['quantity']}",
         f"  sampling   {recording['fs']:.6g} Hz, {recording['samples']} samples, {recording['duration']:.6g} s",
         f"  motion     {recording['motion']}",
     ]

@@ -211,7 +211,7 @@ def _stem(recordings: Sequence[Recording]) -> str:
 def write_identification(
     found: Identification, model: Path, report: Path | None = None, figures: Sequence[str] = ()
 ) -> list[Path]:
-    """Write the model file, the page where a place is given for it, and the pictures in the kinds of files that are, or none.
+    """Write the model file, the page where a place is given for it, and the pictures in ``figures``' kinds, or none.
 
     Returns:
         The paths of the pictures, in a folder beside the model. Raises BadInput.

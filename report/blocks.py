@@ -102,7 +102,30 @@ class Code:
     text: str
 
 
-Block = Text | Table | Figure | Items | Code
+@dataclass(frozen=True)
+class Chosen:
+    """What a reader chooses in two charts, as options to paste: a part by cursors and a mode by a click.
+
+    Attributes:
+        time, spectrum: keys of the charts; the former with ``cursors``, the latter with rules that are a ``choice``.
+        part, mode: the options, with {} for what was chosen.
+        command: what they go into, at {}, each behind ``join``.
+        modes: what is said where no mode is chosen; empty: nothing.
+        whole: what the option is where all that is shown is chosen; empty where it then needs none.
+    """
+
+    kind: ClassVar[str] = "chosen"
+    time: str
+    spectrum: str
+    part: str
+    mode: str
+    command: str
+    modes: str = ""
+    join: str = " "
+    whole: str = ""
+
+
+Block = Text | Table | Figure | Items | Code | Chosen
 
 
 @dataclass(frozen=True)

@@ -62,7 +62,10 @@ class Band:
 
 @dataclass(frozen=True)
 class Rule:
-    """A straight line across the panel, level at y or ``upright`` at x."""
+    """A straight line across the panel, level at y or ``upright`` at x.
+
+    ``choice`` is what a page offers to paste where an upright one is chosen, and ``said`` what it then says of it.
+    """
 
     at: float
     color: str
@@ -70,16 +73,19 @@ class Rule:
     dash: Dash = "--"
     width: float = 1.1
     upright: bool = False
+    choice: str = ""
+    said: str = ""
 
 
 @dataclass(frozen=True)
 class Box:
-    """A filled rectangle; None: to the edge of the panel."""
+    """A filled rectangle; None: to the edge of the panel. A page says what is ``said`` of it to who points at it."""
 
     x: tuple[float, float] | None
     y: tuple[float, float] | None
     color: str = LIGHT
     alpha: float = 0.22
+    said: str = ""
 
 
 @dataclass(frozen=True)
@@ -188,6 +194,7 @@ class Chart:
         title: what the chart shows, for those who cannot see it.
         rows: of panels; ``heights`` are theirs in pixels.
         linked: whether panels of like abscissa are enlarged together.
+        cursors: whether a page shows two cursors, whose range along x it offers to paste; a file shows none.
     """
 
     key: str
@@ -195,6 +202,7 @@ class Chart:
     rows: list[tuple[Panel, ...]] = field(default_factory=list)
     heights: list[int] = field(default_factory=list)
     linked: bool = False
+    cursors: bool = False
 
     def row(self, *shares: float, height: int = 270) -> tuple[Panel, ...]:
         """A further row of panels, as wide as ``shares`` says."""

@@ -21,6 +21,7 @@ from ..model.display import number
 from ..templates import template
 from .chart import Axis, Band, Box, Chart, Dots, Line, Mark, Note, Panel, Rule
 from .decimate import envelope, thinned
+from .even_samples import FEWEST, ROOM, is_even, packed
 from .style import ROLES
 
 #: Columns of pixels that a chart is at most worth, and at least; points of all charts of a page.
@@ -51,7 +52,7 @@ def scripts(charts: Sequence[Chart]) -> str:
     # neither text can end the element that it stands in
     data = as_json(charts).replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
     d3 = d3.replace("</script", r"<\/script")
-    draw = template("charts.js")
+    draw = template("charts.js") + (template("choose.js") if any(chart.cursors for chart in charts) else "")
     return (
         f'<script type="application/json" id="charts">{data}</script>\n<script>{d3}</script>\n<script>{draw}</script>\n'
     )
@@ -59,13 +60,16 @@ def scripts(charts: Sequence[Chart]) -> str:
 
 def as_json(charts: Sequence[Chart]) -> str:
     """The data of the charts, thinned so that a page of many stays small."""
-    long = sum(_is_long(mark) for chart in charts for panel in chart.panels for mark in panel.marks)
-    columns = int(min(max(_ALL / 2 / max(long, 1), _FEWEST), _MOST))
+    long = [mark for chart in charts for panel in chart.panels for mark in panel.marks if _is_long(mark)]
+    even = sum(_is_even(mark) for mark in long)
+    columns = int(min(max(_ALL / 2 / max(len(long) - even, 1), _FEWEST), _MOST))
+    room = columns, max(ROOM // max(even, 1), FEWEST)
     made = [
         {
             "key": chart.key,
             "linked": chart.linked,
-            "rows": [[_panel(panel, columns) for panel in row] for row in chart.rows],
+            "cursors": chart.cursors,
+            "rows": [[_panel(panel, *room) for panel in row] for row in chart.rows],
             "heights": chart.heights,
         }
         for chart in charts
@@ -78,9 +82,14 @@ def _is_long(mark: Mark) -> bool:
     return size > 2 * _FEWEST
 
 
-def _panel(panel: Panel, columns: int) -> dict[str, Any]:
+def _is_even(mark: Mark) -> bool:
+    """Whether all samples of a long line are kept, for it to be enlarged."""
+    return isinstance(mark, Line) and _is_long(mark) and is_even(mark.x)
+
+
+def _panel(panel: Panel, columns: int, room: int) -> dict[str, Any]:
     ends = {"x": panel.limits("x"), "y": panel.limits("y")}
-    marks = [_mark(mark, panel, ends, columns) for mark in panel.marks]
+    marks = [_mark(mark, panel, ends, columns, room) for mark in panel.marks]
     x, y = (_axis(axis, ends[name]) for axis, name in ((panel.x, "x"), (panel.y, "y")))
     return {"title": plain_text(panel.title), "share": panel.share, "x": x, "y": y, "marks": marks}
 
@@ -93,7 +102,7 @@ def _axis(axis: Axis, ends: tuple[float, float]) -> dict[str, Any]:
     return made
 
 
-def _mark(mark: Mark, panel: Panel, ends: dict[str, tuple[float, float]], columns: int) -> dict[str, Any]:
+def _mark(mark: Mark, panel: Panel, ends: dict[str, tuple[float, float]], columns: int, room: int) -> dict[str, Any]:
     made: dict[str, Any] = {"kind": type(mark).__name__.lower(), "color": ROLES[mark.color]}
 
     def numbers(values: np.ndarray, axis: str) -> list[float | None]:
@@ -101,8 +110,11 @@ def _mark(mark: Mark, panel: Panel, ends: dict[str, tuple[float, float]], column
 
     match mark:
         case Line() | Dots():
-            x, y = thinned(mark.x, mark.y, columns)
-            made |= {"x": numbers(x, "x"), "y": numbers(y, "y")}
+            if isinstance(mark, Line) and _is_even(mark):
+                made |= {"even": packed(mark.x, mark.y, room)}
+            else:
+                x, y = thinned(mark.x, mark.y, columns)
+                made |= {"x": numbers(x, "x"), "y": numbers(y, "y")}
             if isinstance(mark, Line):
                 made |= {"width": mark.width, "alpha": mark.alpha, "dash": _DASHES[mark.dash]}
             else:
@@ -117,9 +129,10 @@ def _mark(mark: Mark, panel: Panel, ends: dict[str, tuple[float, float]], column
             made |= {"alpha": mark.alpha, "across": mark.across}
         case Rule():
             made |= {"at": _short(mark.at), "upright": mark.upright, "width": mark.width, "dash": _DASHES[mark.dash]}
+            made |= {"choice": mark.choice, "said": plain_text(mark.said)} if mark.choice else {}
         case Box():
             made |= {"x": mark.x and [_short(v) for v in mark.x], "y": mark.y and [_short(v) for v in mark.y]}
-            made["alpha"] = mark.alpha
+            made |= {"alpha": mark.alpha} | ({"said": plain_text(mark.said)} if mark.said else {})
         case Note():
             made |= {"x": _short(mark.x), "y": _short(mark.y), "text": plain_text(mark.text), "above": mark.above}
     return made

@@ -26,7 +26,7 @@ from .parameters import correlation_table, equation_blocks, machine_table, param
 from .provenance import files_text, recordings_table
 from .time_history import SHADES, Taken, recording_figure
 from .usage import usage_section
-from .used import left, taken, used_table
+from .used import left, left_pieces, taken, used_table
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -182,7 +182,12 @@ def _recordings(identification: Identification) -> list[Block]:
             caption += f" Left: {where}. {full_stop(why[:1].upper() + why[1:])}"
         notes = [note for note in r.notes if note.removeprefix(f"{r.name}: ") not in why]
         caption += "".join(f" {note}" for note in notes)
-        blocks.append(picture(lambda r=r, t=stretches, i=i: recording_figure(r, t, f"recording-{i + 1}"), caption))
+        rest = left_pieces(identification, i)
+        blocks.append(
+            picture(
+                lambda r=r, t=stretches, i=i, rest=rest: recording_figure(r, t, f"recording-{i + 1}", rest), caption
+            )
+        )
     return blocks
 
 

@@ -47,13 +47,16 @@ def spectrum_figure(
     return chart
 
 
-def spectral_density(signal: np.ndarray, fs: float, natural: float) -> tuple[np.ndarray, np.ndarray]:
+def spectral_density(
+    signal: np.ndarray, fs: float, natural: float, highest: float | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies (m,) up to six times the natural one, Hz, and amplitude density (m,), in the signal's unit per √Hz.
 
-    By Welch's method; values of ``signal`` (n,) that are not finite count as zero.
+    Where there are further natural frequencies, up to twice the ``highest``. By Welch's method; values of ``signal``
+    (n,) that are not finite count as zero.
     """
     size = int(min(max(_LINES * fs / natural, 64), signal.size))
     f, window = np.fft.rfftfreq(size, 1.0 / fs), np.hanning(size + 1)[:-1]
     power = welch(np.where(np.isfinite(signal), signal, 0.0), fs, window)
-    view = (f > 0) & (f <= _HIGHEST * natural)
+    view = (f > 0) & (f <= max(_HIGHEST * natural, 2.0 * (highest or 0.0)))
     return f[view], np.sqrt(power[view])

@@ -8,43 +8,67 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..export.render import plain_text
-from ..model.display import Scale, scale_of
+from ..model.display import Scale, number, scale_of
 from .chart import Box, Chart, Panel
 from .comparison import Comparison
 from .decimate import envelope
-from .style import EXACT, FORCED, FREE, LIGHT, MEASURED, MODEL, RESPONSE
+from .style import EXACT, FORCED, FREE, GRID, LIGHT, MEASURED, MODEL, RESPONSE
 
 if TYPE_CHECKING:
     from ..recording.recording import Recording
 
 #: Kind of a stretch that was taken, its first sample and the one behind its last.
 Taken = tuple[str, int, int]
+#: First sample of a stretch that was left, the one behind its last, and why.
+Left = tuple[int, int, str]
 #: How each kind is shaded, in words and as a colour, and how strongly.
 SHADES = {"free": ("blue", LIGHT), "struck": ("purple", RESPONSE), "driven": ("green", FORCED)}
-_SHADE = 0.22
+_SHADE, _LEAVES = 0.22, 0.5
+#: What becomes of a piece of each kind.
+TAKEN = {
+    "free": "it swings by itself, and is simulated without a force",
+    "struck": "a blow and what rings after it, simulated together",
+    "driven": "it is driven, and simulated with the recorded force",
+}
 #: Cycles of the close view.
 _CYCLES = 7.0
 
 
-def recording_figure(recording: Recording, taken: Sequence[Taken] = (), key: str = "recording") -> Chart:
-    """Chart of force and response over time, with what was taken of it shaded by its kind.
+def recording_figure(
+    recording: Recording,
+    taken: Sequence[Taken] = (),
+    key: str = "recording",
+    left: Sequence[Left] = (),
+    begins: float | None = None,
+) -> Chart:
+    """Chart of force and response over time, with what was taken of it shaded by its kind, and what was left in grey.
+
+    A page says of each piece what becomes of it to who points at it.
 
     Args:
         recording: as it was recorded.
         taken: kind, first sample and the one behind the last of each stretch; kinds as in ``SHADES``.
         key: name of the chart within its page.
+        left: first sample and the one behind the last of each stretch that was left, and why.
+        begins: s, where the first sample stands; None: where its time stamp says.
     """
     name = plain_text(recording.name)
-    time, response = recording.time, np.asarray(recording.response, float)
+    since = recording.start if begins is None else begins
+    time, response = since + np.arange(recording.n) * recording.dt, np.asarray(recording.response, float)
     shown = [(response, recording.unit, recording.quantity.capitalize(), FREE)]
     if recording.force is not None and np.ptp(recording.force) > 0:
-        shown.insert(0, (np.asarray(recording.force, float), recording.force_unit, "Force", MEASURED))
+        what = "Base" if recording.base else "Force"
+        shown.insert(0, (np.asarray(recording.force, float), recording.force_unit, what, MEASURED))
     chart = Chart(key, linked=True)
     for signal, unit, what, color in shown:
         (panel,) = chart.row(1, height=170 if len(shown) > 1 else 220)
         for kind, start, stop in taken:
-            first, last = (recording.start + i / recording.fs for i in (start, stop))
-            panel.marks.append(Box((first, last), None, SHADES[kind][1], _SHADE))
+            ends = _ends(since, recording, start, stop)
+            said = f"Taken as {kind}, {_span(ends)}: {TAKEN[kind]}."
+            panel.marks.append(Box(ends, None, SHADES[kind][1], _SHADE, said))
+        for start, stop, why in left:
+            ends = _ends(since, recording, start, stop)
+            panel.marks.append(Box(ends, None, GRID, _LEAVES, f"Left, {_span(ends)}: {why}."))
         scale = scale_of(unit, signal)
         panel.line(time, signal * scale.factor, color, width=0.9)
         panel.y.set(label=scale.label(what))
@@ -55,6 +79,14 @@ def recording_figure(recording: Recording, taken: Sequence[Taken] = (), key: str
     what = "force and response" if len(shown) > 1 else "response"
     chart.title = f"{name}: measured {what} over {recording.duration:.4g} s{note}"
     return chart
+
+
+def _ends(since: float, recording: Recording, start: int, stop: int) -> tuple[float, float]:
+    return since + start / recording.fs, since + stop / recording.fs
+
+
+def _span(ends: tuple[float, float]) -> str:
+    return f"{number(ends[0], 4)} to {number(ends[1], 4)} s"
 
 
 def agreement_figure(

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..identify.identification import Identification
     from ..identify.problem.segments import Segment
     from ..recording.recording import Recording
-    from .time_history import Taken
+    from .time_history import Left, Taken
 
 #: Words of the notes that say why something was not used.
 _WHY = ("left out", "left aside", "not used", "is not used", "too short", "clipped", "noise alone")
@@ -39,14 +39,32 @@ def used_table(identification: Identification) -> list[Block]:
 
 
 def taken(identification: Identification, i: int) -> list[Taken]:
-    """What the fit takes of recording ``i``, in order; stretches of a kind that follow one another are one."""
+    """What the fit takes of recording ``i``, in order, as ``joined``."""
+    return joined([(segment.kind, segment.start, segment.stop) for segment in _segments(identification, i)])
+
+
+def joined(pieces: Sequence[Taken]) -> list[Taken]:
+    """Stretches in order; those of a kind that follow one another are one."""
     found: list[Taken] = []
-    for segment in sorted(_segments(identification, i), key=lambda segment: segment.start):
-        if found and found[-1][0] == segment.kind and segment.start <= found[-1][2]:
-            found[-1] = (segment.kind, found[-1][1], max(segment.stop, found[-1][2]))
+    for kind, start, stop in sorted(pieces, key=lambda piece: piece[1]):
+        if found and found[-1][0] == kind and start <= found[-1][2]:
+            found[-1] = (kind, found[-1][1], max(stop, found[-1][2]))
         else:
-            found.append((segment.kind, segment.start, segment.stop))
+            found.append((kind, start, stop))
     return found
+
+
+def left_pieces(identification: Identification, i: int) -> list[Left]:
+    """What the fit leaves of recording ``i``, in order, each stretch with its reason."""
+    from ..identify.problem.why_left import why_left
+
+    recording, segments = identification.recordings[i], _segments(identification, i)
+    pace = segments[0].pace if segments else identification.oscillator.omega0.value
+    said = _said(recording, _notes(identification))
+    return [
+        (start, stop, said.rstrip(".") or why_left(recording, start, stop, pace))
+        for start, stop in unused(recording, [(segment.start, segment.stop) for segment in segments])
+    ]
 
 
 def left(identification: Identification, i: int) -> tuple[str, str, int]:
@@ -55,8 +73,11 @@ def left(identification: Identification, i: int) -> tuple[str, str, int]:
     gaps = unused(recording, [(segment.start, segment.stop) for segment in _segments(identification, i)])
     if not gaps:
         return "", "", 0
-    notes = (*identification.notes, *(note for r in identification.recordings for note in r.notes))
-    return _spans(recording, gaps), _why(recording, notes), sum(stop - start for start, stop in gaps)
+    return _spans(recording, gaps), _why(recording, _notes(identification)), sum(stop - start for start, stop in gaps)
+
+
+def _notes(identification: Identification) -> tuple[str, ...]:
+    return (*identification.notes, *(note for r in identification.recordings for note in r.notes))
 
 
 def _segments(identification: Identification, i: int) -> list[Segment]:
@@ -85,8 +106,13 @@ def _at(recording: Recording, sample: int) -> str:
 
 def _why(recording: Recording, notes: Sequence[str]) -> str:
     """What was said of it, else what is always left out of such a recording."""
-    said = [note for note in notes if note.startswith(f"{recording.name}: ") and any(word in note for word in _WHY)]
-    if said:
-        return " ".join(full_stop(note.removeprefix(f"{recording.name}: ")) for note in dict.fromkeys(said))
+    if said := _said(recording, notes):
+        return said
     driven = recording.force is not None and bool(np.any(recording.force))
     return _DRIVEN if driven else _FREE
+
+
+def _said(recording: Recording, notes: Sequence[str]) -> str:
+    """What notes say of what is left of it; empty where none does."""
+    said = [note for note in notes if note.startswith(f"{recording.name}: ") and any(word in note for word in _WHY)]
+    return " ".join(full_stop(note.removeprefix(f"{recording.name}: ")) for note in dict.fromkeys(said))

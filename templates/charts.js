@@ -1,9 +1,11 @@
-// Draws the charts of a page with D3 from the data beside it: axes, marks, a part enlarged by dragging over it.
+// Draws the charts of a page with D3 from the data beside it: axes, marks, a part enlarged by mouse, finger or keys.
 "use strict";
 (() => {
   const GAP = {top: 8, right: 14, bottom: 42};
   const LETTER = 6.7;
   const panels = [];
+  // What others draw over a panel each time that it is drawn, and do when something is said below it.
+  const drawn = [], said = [];
 
   const minus = text => text.replace(/-/g, "\u2212").replace(/,/g, "");
 
@@ -49,9 +51,43 @@
     return scale.ticks(room.count).map(v => [v, axis.kind === "dates" ? format(v) : minus(format(v))]);
   }
 
+  // Samples at even steps, of sixteen bits each, as the page packed them.
+  function unpacked(even) {
+    const bytes = atob(even.samples), n = bytes.length / 2;
+    const x = new Float64Array(n), y = new Float64Array(n);
+    for (let i = 0; i < n; i++) {
+      const count = (bytes.charCodeAt(2 * i) | bytes.charCodeAt(2 * i + 1) << 8) << 16 >> 16;
+      x[i] = even.from + i * even.step;
+      y[i] = count === -32768 ? NaN : even.least + even.unit * (32767 + count);
+    }
+    return {x, y};
+  }
+
+  // Which samples of a line show in a view: all, or of more than the columns hold the extremes of each column.
+  function shownOf(m, ends, columns) {
+    const last = m.x.length - 1;
+    const place = v => Math.min(Math.max(Math.round((v - m.even.from) / m.even.step), 0), last);
+    const first = Math.max(place(ends[0]) - 1, 0), stop = Math.min(place(ends[1]) + 2, last + 1);
+    const size = Math.floor((stop - first) / columns);
+    if (size < 4) return d3.range(first, stop);
+    const chosen = [];
+    for (let start = first; start < stop; start += size) {
+      let low = start, high = start, gap = -1;
+      for (let i = start; i < Math.min(start + size, stop); i++) {
+        if (Number.isNaN(m.y[i])) gap = i;
+        if (m.y[i] < m.y[low] || Number.isNaN(m.y[low])) low = i;
+        if (m.y[i] > m.y[high] || Number.isNaN(m.y[high])) high = i;
+      }
+      chosen.push(...new Set([low, high, ...(gap < 0 ? [] : [gap])].sort((a, b) => a - b)));
+    }
+    return chosen;
+  }
+
   class Panel {
     constructor(holder, data, height, chart, name) {
       Object.assign(this, {data, height, chart, name});
+      for (const mark of data.marks) if (mark.even) Object.assign(mark, unpacked(mark.even));
+      this.sayings = data.marks.filter(mark => mark.kind === "box" && mark.said).sort((a, b) => a.x[0] - b.x[0]);
       this.whole = {x: data.x.ends, y: data.y.ends};
       this.ends = {...this.whole};
       const box = d3.select(holder).append("div").attr("class", "panel").style("flex", data.share + " 1 " + 17 * data.share + "rem");
@@ -59,7 +95,14 @@
       const told = [data.title, data.y.label, data.x.label && "over " + data.x.label].filter(Boolean).join(", ");
       this.svg = box.append("svg").attr("role", "img").attr("tabindex", 0).attr("aria-label", told);
       this.svg.on("dblclick", () => this.reset()).on("keydown", () => this.key(d3.event));
+      this.svg.node().addEventListener("touchstart", event => this.drag(event), {passive: true});
       this.box = box.node();
+      const tools = box.append("div").attr("class", "tools");
+      for (const [sign, words, act] of [
+        ["\u2212", "Show more", () => this.move(0, 1.6)],
+        ["+", "Enlarge", () => this.move(0, 0.6)],
+        ["\u21ba", "Show all", () => this.reset()],
+      ]) tools.append("button").attr("type", "button").attr("aria-label", words).attr("title", words).text(sign).on("click", act);
     }
 
     draw() {
@@ -98,6 +141,7 @@
       const beside = frame.append("text").attr("class", "label").text(data.y.label);
       if (bare) beside.attr("x", -8).attr("y", inner / 2).attr("dy", ".32em").attr("text-anchor", "end");
       else beside.attr("transform", `translate(${14 - left},${inner / 2}) rotate(-90)`).attr("text-anchor", "middle");
+      this.across = x;
       this.handle(g, x, y, across, inner);
     }
 
@@ -105,8 +149,8 @@
       const color = `var(--${m.color})`;
       const fine = v => Number.isFinite(v);
       if (m.kind === "line") {
-        const path = d3.line().x((_, i) => at.x(m.x[i])).y((_, i) => at.y(m.y[i])).defined((_, i) => fine(at.x(m.x[i])) && fine(at.y(m.y[i])));
-        g.append("path").attr("d", path(m.x)).style("stroke", color).attr("stroke-width", m.width).attr("stroke-dasharray", m.dash || null).attr("opacity", m.alpha).attr("fill", "none");
+        const path = d3.line().x(i => at.x(m.x[i])).y(i => at.y(m.y[i])).defined(i => fine(at.x(m.x[i])) && fine(at.y(m.y[i])));
+        g.append("path").attr("d", path(m.even ? shownOf(m, this.ends.x, across) : d3.range(m.x.length))).style("stroke", color).attr("stroke-width", m.width).attr("stroke-dasharray", m.dash || null).attr("opacity", m.alpha).attr("fill", "none");
       } else if (m.kind === "dots") {
         const r = m.size * 0.68;
         let d = "";
@@ -136,7 +180,7 @@
       }
     }
 
-    // A part is marked by the mouse; a finger scrolls the page and enlarges as it does everywhere.
+    // A part is marked by the mouse. A finger scrolls the page; across an enlarged panel it moves along.
     handle(g, x, y, across, inner) {
       const read = g.append("text").attr("class", "read").attr("x", across).attr("y", 8).attr("text-anchor", "end");
       const brush = d3.brush().extent([[0, 0], [across, inner]]).filter(() => !d3.event.button && d3.event.type !== "touchstart");
@@ -156,10 +200,33 @@
       const digits = d3.format(".4~g");
       layer.on("mousemove", () => {
         const [px, py] = d3.mouse(g.node());
+        this.say(this.sayings.find(box => px >= x(box.x[0]) && px <= x(box.x[1])));
         const inside = px >= 0 && px <= across && py >= 0 && py <= inner;
         const first = this.data.x.kind === "dates" ? d3.utcFormat("%Y-%m-%d")(x.invert(px)) : minus(digits(x.invert(px)));
         read.text(inside ? `${first}, ${minus(digits(y.invert(py)))}` : "");
       }).on("mouseleave", () => read.text(""));
+      for (const draw of drawn) draw(this, {g, x, y, across, inner});
+    }
+
+    // The finger that touches moves what is enlarged; what it touched is drawn anew meanwhile, and yet hears of it.
+    drag(event) {
+      const enlarged = this.ends.x[0] !== this.whole.x[0] || this.ends.x[1] !== this.whole.x[1];
+      if (!enlarged || event.touches.length !== 1 || !event.target.closest(".brush")) return;
+      const begun = event.touches[0].clientX, fresh = this.across.copy(), days = this.data.x.kind === "dates" ? 864e5 : 1;
+      const follow = moved => {
+        const by = begun - moved.touches[0].clientX;
+        this.show("x", fresh.range().map(edge => fresh.invert(edge + by) / days));
+        soon();
+      };
+      event.target.addEventListener("touchmove", follow, {passive: true});
+    }
+
+    // What is known of a piece that is pointed at, below all panels of the chart.
+    say(box) {
+      if (!box || this.chart.told === box) return;
+      this.chart.told = box;
+      this.chart.saying.text(box.said);
+      for (const hear of said) hear(this, box);
     }
 
     show(axis, ends) {
@@ -174,18 +241,39 @@
       redraw();
     }
 
-    key(event) {
-      const move = {ArrowLeft: [-0.2, 1], ArrowRight: [0.2, 1], "+": [0, 0.6], "=": [0, 0.6], "-": [0, 1.6]}[event.key];
-      if (event.key === "0" || event.key === "Escape") this.reset();
-      if (!move) return;
-      event.preventDefault();
-      const log = this.data.x.kind === "log";
-      const [low, high] = log ? this.ends.x.map(Math.log10) : this.ends.x;
-      const middle = (low + high) / 2 + move[0] * (high - low), half = (high - low) / 2 * move[1];
+    // Along an axis by a part of what is shown, and to so many times as much.
+    move(by, times, axis = "x") {
+      const log = this.data[axis].kind === "log";
+      const [low, high] = log ? this.ends[axis].map(Math.log10) : this.ends[axis];
+      const middle = (low + high) / 2 + by * (high - low), half = (high - low) / 2 * times;
       const ends = [middle - half, middle + half];
-      this.show("x", log ? ends.map(v => 10 ** v) : ends);
+      this.show(axis, log ? ends.map(v => 10 ** v) : ends);
       redraw();
     }
+
+    key(event) {
+      if (event.target !== this.svg.node() || event.ctrlKey || event.metaKey || event.altKey) return;
+      const moves = {ArrowLeft: [-0.2, 1], ArrowRight: [0.2, 1], "+": [0, 0.6], "=": [0, 0.6], "-": [0, 1.6]};
+      const tall = {ArrowUp: [0, 0.6, "y"], ArrowDown: [0, 1.6, "y"]};
+      const up = this.ends.y === this.whole.y ? {} : {ArrowUp: [0.2, 1, "y"], ArrowDown: [-0.2, 1, "y"]};
+      const move = moves[event.key] || (event.shiftKey ? tall : up)[event.key];
+      if (event.key === "0" || event.key === "Escape") this.reset();
+      if (event.key === "Enter" && this.sayings.length) {
+        const step = event.shiftKey ? -1 : 1, place = this.sayings.indexOf(this.chart.told);
+        this.say(this.sayings[place < 0 ? 0 : (place + step + this.sayings.length) % this.sayings.length]);
+        event.preventDefault();
+      }
+      if (!move) return;
+      event.preventDefault();
+      this.move(...move);
+    }
+  }
+
+  let waits = false;
+  function soon() {
+    if (waits) return;
+    waits = true;
+    requestAnimationFrame(() => { waits = false; redraw(); });
   }
 
   function redraw() {
@@ -201,6 +289,9 @@
       holder.appendChild(line);
       row.forEach((data, j) => panels.push(new Panel(line, data, chart.heights[i], chart, `${chart.key}-${i}-${j}`)));
     });
+    const speaks = chart.rows.some(row => row.some(data => data.marks.some(mark => mark.kind === "box" && mark.said)));
+    if (speaks) chart.saying = d3.select(holder).append("p").attr("class", "saying").attr("aria-live", "polite")
+      .text("Point at a shaded piece, or tap it, to read what it is; with the keyboard Enter on the picture goes from piece to piece.");
     for (const numbers of figure.querySelectorAll("details.numbers")) numbers.open = false;
   }
   redraw();
@@ -210,6 +301,7 @@
   for (const folded of document.querySelectorAll("details")) folded.addEventListener("toggle", redraw);
   const hint = document.querySelector("figure .hint");
   if (hint) hint.hidden = false;
+  window.dashpotCharts = {panels, drawn, said, redraw};
   // On paper everything is unfolded; what was drawn is lines and text, which a printer takes as they are.
   addEventListener("beforeprint", () => {
     for (const folded of document.querySelectorAll("details.more")) folded.open = true;

@@ -37,7 +37,8 @@ class Mode:
     def __str__(self) -> str:
         """As it is listed."""
         if self.damping_ratio is None or self.errors is None:
-            return f"{self.frequency:.4g} Hz ({100 * self.share:.2g} %)"
+            share = float(f"{100 * self.share:.2g}")  # all of it is 100 %, not 1e+02 %
+            return f"{self.frequency:.4g} Hz ({share:g} %)"
         frequency, ratio, share = self.errors
         return (
             f"{_known(self.frequency, frequency)} Hz (damping ratio {_known(self.damping_ratio, ratio)}, "
