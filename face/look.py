@@ -30,13 +30,15 @@ _OPTIONS = (
 class Seen:
     """A record: what is said of it, and of each response the recording, None where it was refused.
 
-    ``file`` is how it is named where it is read again, None for what has no name; ``part`` the seconds that were read.
+    ``file`` is how it is named where it is read again, None for what has no name; ``part`` the seconds that were read,
+    and ``how`` each recording was read beside that.
     """
 
     entry: dict[str, Any]
     recordings: tuple[Recording | None, ...]
     file: str | None
     part: tuple[float, float] | None = None
+    how: tuple[Mapping[str, Any], ...] = ({},)
 
     @property
     def read(self) -> bool:
@@ -65,6 +67,7 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[Seen]:
     response, part = options.get("response"), options.get("part")
     how: dict[str, Any] = {name: options.get(name) for name in _OPTIONS}
     stated = stated_channels(options.get("channels") or ())
+    said = {name: options[name] for name in (*_OPTIONS, "channels") if options.get(name) not in (None, (), {})}
     how["part"] = (parse_part(part) if isinstance(part, str) and part else part) or None
     responses: tuple[Any, ...] = (response,) if isinstance(response, str | int) else tuple(response or ())
     sha256, tables = tables_at(path, options.get("max_size", MOST_MB))
@@ -95,7 +98,10 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[Seen]:
             except BadInput as problem:
                 entry["recordings"].append({"refused": str(problem)})
                 read.append(None)
-        seen.append(Seen(entry, tuple(read), str(path), how["part"]))
+        record = table.where.partition("#")[2]
+        file = str(path) if "#" in str(path) or not record else f"{path}#{record}"
+        ways = tuple({**said, **({"response": response} if response else {})} for response in responses or (None,))
+        seen.append(Seen(entry, tuple(read), file, how["part"], ways))
     return seen
 
 

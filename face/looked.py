@@ -62,9 +62,9 @@ def page_of(seen: Sequence[Seen], *, python: bool = False) -> Page:
     from ..report.look_page import Shown, look_page
 
     shown = [
-        Shown(one.file, one.entry["record"], facts, recording, one.part)
+        Shown(one.file, one.entry["record"], facts, recording, one.part, how)
         for one in seen
-        for facts, recording in zip(one.entry["recordings"], one.recordings, strict=True)
+        for facts, recording, how in zip(one.entry["recordings"], one.recordings, one.how, strict=True)
     ]
     return look_page(shown, python=python)
 

@@ -109,7 +109,7 @@ class Chosen:
     Attributes:
         time, spectrum: keys of the charts; the former with ``cursors``, the latter with rules that are a ``choice``.
         part, mode: the options, with {} for what was chosen.
-        command: what they go into, at {}, each behind ``join``.
+        command: what they go into, at {}, each behind ``join`` and a blank.
         modes: what is said where no mode is chosen; empty: nothing.
         whole: what the option is where all that is shown is chosen; empty where it then needs none.
     """
@@ -121,7 +121,7 @@ class Chosen:
     mode: str
     command: str
     modes: str = ""
-    join: str = " "
+    join: str = ""
     whole: str = ""
 
 

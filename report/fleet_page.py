@@ -12,7 +12,8 @@ from urllib.parse import quote
 import numpy as np
 
 from ..model.display import number, percent_text, pretty_unit, scale_of, times_text
-from .blocks import Block, Cell, Page, Section, Table, Text
+from .blocks import Block, Cell, Page, Section, Table, Text, picture
+from .fleet_figure import fleet_figure
 from .sparkline import motion_sparkline, value_sparkline
 
 if TYPE_CHECKING:
@@ -168,8 +169,11 @@ def _parameters(rows: Sequence[Row]) -> tuple[Block, ...]:
     if not lines:
         return ()
     caption = "From left to right in the manifest's order. dashpot watch says what changed."
+    several = {which: column for which, column in units.items() if sum(value is not None for value in column) > 1}
+    names = [row.entry.name for row in rows]
     return (
         Table(("Parameter", "Over the fleet", "Median", "Least", "Largest", "Unit"), tuple(lines), (2, 3, 4), caption),
+        picture(lambda: fleet_figure(names, several), "The same with the entries' names: enlarge a part to read all."),
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -47,6 +47,7 @@ class Shown:
         facts: what ``dashpot look --json`` says of it.
         recording: None where it was refused.
         part: seconds that were read of it; None for all.
+        how: the other options that it was read with, by the names of ``dashpot.recording.Reading``.
     """
 
     file: str | None
@@ -54,6 +55,7 @@ class Shown:
     facts: Mapping[str, Any]
     recording: Recording | None
     part: tuple[float, float] | None = None
+    how: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def begins(self) -> float:
@@ -88,10 +90,23 @@ def _chosen(one: Shown, at: str, modes: str, *, element: bool, python: bool) -> 
     whole = "" if one.part is None else f"{begin:g}:{'' if math.isinf(end) else f'{end:g}'}"
     how = {"modes": modes, "whole": whole}
     if python:
-        call = f"dashpot.identify{'_element' if element else ''}({repr(one.file) if one.file else '...'}{{}})"
-        return Chosen(*_keys(at), 'part="{}"', 'mode="{}"', call, join=", ", **how)
-    command = f"dashpot identify {shlex.quote(one.file or 'REC')}{{}} -o rig.yaml --report rig.html"
+        ways = "".join(f", {name}={'...' if name == 'channels' else repr(value)}" for name, value in one.how.items())
+        call = f"dashpot.identify{'_element' if element else ''}({repr(one.file) if one.file else '...'}{ways}{{}})"
+        return Chosen(*_keys(at), 'part="{}"', 'mode="{}"', call, join=",", **how)
+    ways = "".join(f" {way}" for name, value in one.how.items() for way in _typed(name, value))
+    command = f"dashpot identify {shlex.quote(one.file or 'REC')}{ways}{{}} -o rig.yaml --report rig.html"
     return Chosen(*_keys(at), "--part {}", "--mode {}", command, **how)
+
+
+def _typed(name: str, value: Any) -> list[str]:
+    """A way to read as it is typed; of channels that there are some."""
+    option = f"--{name.replace('_', '-')}"
+    if name == "channels":
+        return ["--channel ..."]
+    if isinstance(value, bool):
+        return [option if value else "--absolute"]
+    values = [f"{key}={of}" for key, of in value.items()] if isinstance(value, Mapping) else [str(value)]
+    return [f"{option} {shlex.quote(one)}" for one in values]
 
 
 def _keys(at: str) -> tuple[str, str]:

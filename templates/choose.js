@@ -22,13 +22,12 @@
 
   async function copied(code, button) {
     const words = button.textContent;
+    getSelection().selectAllChildren(code);  // which works in a notebook's frame too, and shows what was copied
+    let done = document.execCommand("copy");
     try {
-      await navigator.clipboard.writeText(code.textContent);
-      button.textContent = "Copied";
-    } catch {  // where a page may not write to it, what is to be copied is selected
-      getSelection().selectAllChildren(code);
-      button.textContent = document.execCommand("copy") ? "Copied" : "Selected: copy it";
-    }
+      if (!done) await navigator.clipboard.writeText(code.textContent), done = true;
+    } catch {}  // a page that may not write there leaves it selected
+    button.textContent = done ? "Copied" : "Selected: copy it";
     setTimeout(() => { button.textContent = words; }, 1500);
   }
 
@@ -164,7 +163,7 @@
         mode: mode ? ` ${this.mode.said}` : this.says.modes,
         command: "",
       };
-      const texts = {part, mode, command: this.says.command.replace("{}", [part, mode].filter(Boolean).map(option => this.says.join + option).join(""))};
+      const texts = {part, mode, command: this.says.command.replace("{}", [part, mode].filter(Boolean).map(option => this.says.join + " " + option).join(""))};
       for (const {name, shown, code, button, words: beside} of this.lines) {
         code.textContent = texts[name];
         code.hidden = button.hidden = !texts[name];
