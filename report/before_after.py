@@ -218,8 +218,10 @@ def _close(
     start = min(max(middle - half, 0), max(measured.size - 2 * half, 0))
     view = slice(start, start + 2 * half + 1)
     dots = max(1, math.ceil(measured[view].size / _DOTS))
+    panel.goes_on(time, measured * factor, view, MEASURED, width=0.9)
     for signal, style in sides:
         panel.line(time[view], signal[view] * factor, **style)
+        panel.goes_on(time, signal * factor, view, **{**style, "label": ""})
     panel.dots(time[view][::dots], measured[view][::dots] * factor, MEASURED, "measured", size=2.4)
     _view(panel, measured[view] * factor)
 

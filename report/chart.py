@@ -131,13 +131,17 @@ class Axis:
 
 @dataclass
 class Panel:
-    """Axes with what is drawn on them; ``share`` is its part of the width of its row."""
+    """Axes with what is drawn on them; ``share`` is its part of the width of its row.
+
+    ``beyond`` is what lies outside of the view, below the marks: a page shows it to who moves the view, a file never.
+    """
 
     share: float = 1.0
     title: str = ""
     x: Axis = field(default_factory=Axis)
     y: Axis = field(default_factory=Axis)
     marks: list[Mark] = field(default_factory=list)
+    beyond: list[Line] = field(default_factory=list)
 
     def line(self, x: Any, y: Any, color: str, label: str = "", **look: Any) -> None:
         """Add a ``Line``."""
@@ -155,6 +159,12 @@ class Panel:
     def rule(self, at: float, color: str, label: str = "", **look: Any) -> None:
         """Add a ``Rule``."""
         self.marks.append(Rule(float(at), color, label, **look))
+
+    def goes_on(self, x: np.ndarray, y: np.ndarray, view: slice, color: str, **look: Any) -> None:
+        """Add to ``beyond`` what a line through x (n,) and y (n,) is outside of a view, which shows it already."""
+        outside = np.array(y, float)
+        outside[view.start + 1 : max(view.stop - 1, 0)] = np.nan
+        self.beyond.append(Line(np.asarray(x, float), outside, color, **look))
 
     def limits(self, axis: Literal["x", "y"]) -> tuple[float, float]:
         """Ends of an axis: as they were set, else from what is drawn, with a margin."""

@@ -60,7 +60,7 @@ def scripts(charts: Sequence[Chart]) -> str:
 
 def as_json(charts: Sequence[Chart]) -> str:
     """The data of the charts, thinned so that a page of many stays small."""
-    long = [mark for chart in charts for panel in chart.panels for mark in panel.marks if _is_long(mark)]
+    long = [mark for chart in charts for panel in chart.panels for mark in _drawn(panel) if _is_long(mark)]
     even = sum(_is_even(mark) for mark in long)
     columns = int(min(max(_ALL / 2 / max(len(long) - even, 1), _FEWEST), _MOST))
     room = columns, max(ROOM // max(even, 1), FEWEST)
@@ -77,6 +77,10 @@ def as_json(charts: Sequence[Chart]) -> str:
     return json.dumps(made, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
 
 
+def _drawn(panel: Panel) -> list[Mark]:
+    return [*panel.beyond, *panel.marks]
+
+
 def _is_long(mark: Mark) -> bool:
     size = mark.x.size if isinstance(mark, Line | Dots) else 2 * mark.at.size if isinstance(mark, Band) else 0
     return size > 2 * _FEWEST
@@ -89,7 +93,7 @@ def _is_even(mark: Mark) -> bool:
 
 def _panel(panel: Panel, columns: int, room: int) -> dict[str, Any]:
     ends = {"x": panel.limits("x"), "y": panel.limits("y")}
-    marks = [_mark(mark, panel, ends, columns, room) for mark in panel.marks]
+    marks = [_mark(mark, panel, ends, columns, room) for mark in _drawn(panel)]
     x, y = (_axis(axis, ends[name]) for axis, name in ((panel.x, "x"), (panel.y, "y")))
     return {"title": plain_text(panel.title), "share": panel.share, "x": x, "y": y, "marks": marks}
 

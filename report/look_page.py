@@ -128,7 +128,8 @@ def _blocks(one: Shown, recording: Recording, at: str, python: bool) -> list[Blo
     blocks: list[Block] = [Text(full_stop(KINDS[kind_shown(facts)]), "note", "Taken for"), *charts]
     blocks.append(_chosen(one, at, hint, element=imposed, python=python))
     if above is not None:
-        blocks.append(Figure(above, _spectrum_caption(modes)))
+        caption = "Spectrum of the motion that was imposed." if imposed else _spectrum_caption(modes)
+        blocks.append(Figure(above, caption))
     blocks.append(_facts_table(facts, recording))
     blocks += [] if imposed else [_pieces_table(facts, one.begins)]
     if facts["notes"]:

@@ -137,6 +137,8 @@ def _close_view(panel: Panel, comparison: Comparison, scale: Scale, source: str)
         y[view] for y in (comparison.time, comparison.measured * scale.factor, comparison.simulated * scale.factor)
     )
     panel.line(time, simulated, MODEL, source, width=1.2)
+    panel.goes_on(comparison.time, comparison.measured * scale.factor, view, MEASURED, width=0.9)
+    panel.goes_on(comparison.time, comparison.simulated * scale.factor, view, MODEL, width=1.2)
     panel.dots(time[::step], measured[::step], MEASURED, "measured", size=2.4)
     panel.x.set(tight=True)
 
