@@ -67,7 +67,7 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[Seen]:
     response, part = options.get("response"), options.get("part")
     how: dict[str, Any] = {name: options.get(name) for name in _OPTIONS}
     stated = stated_channels(options.get("channels") or ())
-    said = {name: options[name] for name in (*_OPTIONS, "channels") if options.get(name) not in (None, (), {})}
+    typed = {name: options[name] for name in (*_OPTIONS, "channels") if options.get(name) not in (None, (), {})}
     how["part"] = (parse_part(part) if isinstance(part, str) and part else part) or None
     responses: tuple[Any, ...] = (response,) if isinstance(response, str | int) else tuple(response or ())
     sha256, tables = tables_at(path, options.get("max_size", MOST_MB))
@@ -87,21 +87,22 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[Seen]:
             "recordings": [],
         }
         read: list[Recording | None] = []
+        ways: list[Mapping[str, Any]] = []
         for response in responses or (said,):
+            way = typed | ({"response": response} if responses else {})
             try:
                 reading = how | {"response": response, "sha256": sha256}
                 parts = told.each(lambda reading=reading, table=table: parts_of(table, reading))
                 taken = [one.index for one in sought(table, own) if one.index is not None]
                 columns_taken = _roles(table, response, how, taken)
                 entry["recordings"] += [{"columns": columns_taken, **facts(part)} for part in parts]
-                read += parts
+                read, ways = [*read, *parts], [*ways, *(way for _ in parts)]
             except BadInput as problem:
                 entry["recordings"].append({"refused": str(problem)})
-                read.append(None)
+                read, ways = [*read, None], [*ways, way]
         record = table.where.partition("#")[2]
         file = str(path) if "#" in str(path) or not record else f"{path}#{record}"
-        ways = tuple({**said, **({"response": response} if response else {})} for response in responses or (None,))
-        seen.append(Seen(entry, tuple(read), file, how["part"], ways))
+        seen.append(Seen(entry, tuple(read), file, how["part"], tuple(ways)))
     return seen
 
 
@@ -121,7 +122,7 @@ def look_at_object(given: Any, options: Mapping[str, Any]) -> list[Seen]:
                 "recordings": [{"columns": {}, **facts(recording)}],
             },
             (recording,),
-            recording.name if known else None,
+            recording.name if recording.sha256 else None,  # which a file has, and what a program holds has not
             part,
         )
         for recording in recordings_of(given, **options)

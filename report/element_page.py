@@ -93,7 +93,7 @@ def loop_figure(fits: Sequence[ElementFit], i: int, key: str) -> Chart:
     fit, unit, force_unit = fits[-1], fits[-1].element.unit, fits[-1].element.force_unit
     motion = fit.motions[i]
     every = max(1, motion.n // _POINTS)
-    at = slice(None, None, every)
+    loop = slice(None, None, every)
     across, along = scale_of(unit, motion.displacement), scale_of(f"{unit}/s", motion.velocity)
     up = scale_of(force_unit, motion.force)
     chart = Chart(key, f"{plain_text(fit.records[i].file)}: force in {up.unit} over displacement and velocity")
@@ -104,6 +104,7 @@ def loop_figure(fits: Sequence[ElementFit], i: int, key: str) -> Chart:
     names = ["model"] if len(fits) == 1 else ["Eq. 17 alone", "mended element"]
     colors = [MODEL] if len(fits) == 1 else [EXACT, MODEL]
     for panel, x in where:
+        at = slice(None) if panel is below else loop  # over time a page keeps what it can be enlarged to
         panel.line(x[at], (motion.force * up.factor)[at], MEASURED, "measured", width=1.1)
         for one, name, color in zip(fits, names, colors, strict=True):
             made = np.where(motion.told, one.forces[i], np.nan)
@@ -115,7 +116,7 @@ def loop_figure(fits: Sequence[ElementFit], i: int, key: str) -> Chart:
     (rest,) = chart.row(1, height=150)
     for one, name, color in zip(fits, names, colors, strict=True):
         missing = np.where(motion.told, motion.force - one.forces[i], np.nan)
-        rest.line(time[at], (missing * up.factor)[at], color, f"measured − {name}" if len(fits) > 1 else "", width=0.9)
+        rest.line(time, missing * up.factor, color, f"measured − {name}" if len(fits) > 1 else "", width=0.9)
     rest.rule(motion.noise * up.factor, FREE, "noise, rms")
     rest.x.set(label="Time [s]", tight=True)
     rest.y.set(label=up.label("What is left"))

@@ -11,6 +11,9 @@ from ..model.display import pretty_unit
 from .chart import Chart
 from .style import FREE, MEASURED
 
+#: Entries of a fleet that have their names below each panel, of a larger one every so many; letters of a name.
+_NAMED, _LETTERS = 200, 24
+
 
 def fleet_figure(
     names: Sequence[str], columns: Mapping[tuple[str, str], Sequence[float | None]], key: str = "fleet"
@@ -25,7 +28,8 @@ def fleet_figure(
     chart = Chart(key, "The parameters over the entries, in the manifest's order", linked=True)
     shown = list(columns.items())
     places = np.arange(1.0, len(names) + 1.0)
-    ticks = tuple((float(place), name) for place, name in zip(places, names, strict=True))
+    every = math.ceil(len(names) / _NAMED) or 1
+    ticks = tuple((float(place), name[:_LETTERS]) for place, name in zip(places[::every], names[::every], strict=True))
     for pair in (shown[i : i + 2] for i in range(0, len(shown), 2)):
         for panel, ((name, unit), values) in zip(chart.row(*[1.0] * len(pair), height=200), pair, strict=True):
             known = np.array([math.nan if value is None else value for value in values], float)

@@ -19,7 +19,7 @@ from .sparkline import motion_sparkline, value_sparkline
 if TYPE_CHECKING:
     from ..fleet.table import Row
 
-#: Rows of a table on the page; of a larger fleet the rest stands in the CSV, so that the page stays below 1 MB.
+#: Rows of a table on the page; of a larger fleet the rest stands in the CSV, so that the page stays below 1.5 MB.
 MOST_ROWS = 300
 #: Values of a parameter that are drawn.
 _MOST_DOTS = 200

@@ -295,9 +295,10 @@
     for (const numbers of figure.querySelectorAll("details.numbers")) numbers.open = false;
   }
   redraw();
-  new ResizeObserver(() => {
+  // In the next frame: what is drawn within the notice changes sizes again, of which a browser complains.
+  new ResizeObserver(() => requestAnimationFrame(() => {
     for (const panel of panels) if (panel.box.clientWidth !== panel.width) panel.draw();
-  }).observe(document.querySelector("main"));
+  })).observe(document.querySelector("main"));
   for (const folded of document.querySelectorAll("details")) folded.addEventListener("toggle", redraw);
   const hint = document.querySelector("figure .hint");
   if (hint) hint.hidden = false;

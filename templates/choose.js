@@ -181,5 +181,5 @@
       if (frameElement) frameElement.style.height = `${document.body.offsetHeight + 60}px`;
     } catch {}  // another page's frame is not ours to change
   };
-  new ResizeObserver(fit).observe(document.body);
+  new ResizeObserver(() => requestAnimationFrame(fit)).observe(document.body);
 })();

@@ -12,6 +12,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import dashpot
+import numpy as np
 import pytest
 from dashpot.commands.cli import main
 from dashpot.examples import recordings
@@ -40,7 +42,7 @@ addEventListener("load", () => {{
   const first = [...page.querySelectorAll("h1, main > p, main > pre, main > div tr, section td, section th")]
     .filter(part => part.getClientRects().length && part.getBoundingClientRect().bottom <= within)
     .map(part => part.textContent.replace(/\\s+/g, " ").trim()).join(" | ");
-  document.title = JSON.stringify({{wide, figures: figures.length, empty: empty.length, zoom, first}});
+  document.title = JSON.stringify({{wide, figures: figures.length, empty: empty.length, zoom, first, {more}}});
 }});
 </script>"""
 FLEET = """format: dashpot-fleet/1
@@ -55,10 +57,33 @@ rigs:
 pytestmark = [pytest.mark.long, pytest.mark.skipif(BROWSER is None, reason="no Chromium is installed")]
 
 
-def looked_at(page: Path, width: int = PHONE) -> dict[str, Any]:
+#: Enlarges the recording, takes what is shown for the part, moves a cursor by a key, chooses a mode, reads a piece.
+CHOICE = """...(() => {
+  const click = element => element.dispatchEvent(new MouseEvent("click", {bubbles: true}));
+  const type = (element, key) => element.dispatchEvent(new KeyboardEvent("keydown", {key: key, bubbles: true}));
+  const texts = () => [...page.querySelectorAll(".chosen code")].map(code => code.textContent);
+  const all = texts();
+  press("+");
+  const named = words => [...page.querySelectorAll(".chosen button")].find(button => button.textContent === words);
+  click(named("What is shown"));
+  const shown = texts();
+  const [start, end] = page.querySelectorAll("[role=slider]");
+  type(start, "ArrowRight");
+  const moved = texts();
+  click(page.querySelectorAll(".choice")[1]);
+  const pressed = [...page.querySelectorAll(".choice")].map(choice => choice.getAttribute("aria-pressed"));
+  press("Enter");
+  const said = page.querySelector(".saying").textContent;
+  click(page.querySelector(".saying button"));
+  const at = end.getAttribute("aria-valuenow");
+  return {all: all, shown: shown, moved: moved, pressed: pressed, said: said, chosen: texts(), end: at};
+})()"""
+
+
+def looked_at(page: Path, width: int = PHONE, more: str = "") -> dict[str, Any]:
     """What a browser makes of a page, on a phone if not said; a word on its console fails the test."""
     wrapper = page.with_name(f"wrapped-{page.name}")
-    wrapper.write_text(WRAPPER.format(page=page.name, width=width, seen=SEEN), encoding="utf-8")
+    wrapper.write_text(WRAPPER.format(page=page.name, width=width, seen=SEEN, more=more), encoding="utf-8")
     flags = ["--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files", "--enable-logging=stderr"]
     flags += [f"--user-data-dir={page.parent / 'browser'}", "--virtual-time-budget=5000", "--dump-dom"]
     ran = subprocess.run(
@@ -71,6 +96,25 @@ def looked_at(page: Path, width: int = PHONE) -> dict[str, Any]:
     return json.loads(html.unescape(title.group(1)))
 
 
+def two_modes(path: Path) -> None:
+    """A rest of two seconds, and a linear rig of two modes that rings."""
+    t = np.arange(6000) / 500.0
+    since = np.maximum(t - 2.0, 0.0)
+    x = 4.0 * np.exp(-0.9 * since) * np.sin(2 * np.pi * 9.3 * since)
+    x += 1.5 * np.exp(-1.2 * since) * np.sin(2 * np.pi * 31.7 * since)
+    x += 1e-3 * np.random.default_rng(0).normal(size=t.size)
+    np.savetxt(path, np.column_stack([t + 5.0, x]), delimiter=",", header="time_s,x_mm", comments="")
+
+
+def damper(path: Path) -> None:
+    """A damper with a spring under a motion that was imposed."""
+    t = np.arange(4000) / 1000.0
+    x = 5e-3 * np.sin(2 * np.pi * (1 + 0.5 * t) * t) * np.minimum(t, 1.0)
+    force = 800.0 * np.gradient(x, t) + 3e3 * x + 0.2 * np.random.default_rng(0).normal(size=t.size)
+    columns = np.column_stack([t, force, 1e3 * x])
+    np.savetxt(path, columns, delimiter=",", header="time_s,force_N,stroke_mm", comments="")
+
+
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a page of each command that makes one."""
@@ -79,6 +123,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
         shutil.copy(path, folder)
     (folder / "fleet.yaml").write_text(FLEET, encoding="utf-8")
     (folder / "text.csv").write_text("no recording", encoding="utf-8")
+    two_modes(folder / "two.csv")
+    damper(folder / "damper.csv")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         for command in (
@@ -89,6 +135,8 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "diagnose rig.yaml bursts.csv.gz --holdout multisine.csv.gz -o diagnosis",
             "batch fleet.yaml -o results",
             "watch results --report life.html",
+            "look two.csv --page look.html",
+            "identify damper.csv --prescribed stroke_mm -o damper.yaml --report element.html",
         ):
             with contextlib.suppress(SystemExit):  # one row of the fleet is bad
                 main(command.split())
@@ -102,8 +150,10 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("curves/report.html", 5),
         ("verify.html", 3),
         ("diagnosis/report.html", 3),
-        ("results/index.html", 3),
+        ("results/index.html", 9),
         ("life.html", 1),
+        ("look.html", 2),
+        ("element.html", 3),
     ],
 )
 def test_a_page_reads_on_a_phone(pages, page, figures):
@@ -148,6 +198,35 @@ def test_so_has_that_of_a_diagnosis_that_names_a_law(pages, hand_made, width):
         )
     ]
     assert places == sorted(places)
+
+
+def test_a_part_and_a_mode_are_chosen_as_they_are_typed(pages):
+    seen = looked_at(pages / "look.html", more=CHOICE)
+    start = "dashpot identify two.csv"
+    assert seen["all"] == ["", "", f"{start} -o rig.yaml --report rig.html"]
+    # a plus shows three fifths of what was shown, about its middle
+    assert seen["shown"][0] == "--part 2.4:9.6"
+    assert seen["moved"][0] == "--part 2.44:9.6"
+    assert seen["pressed"] == ["false", "true"]
+    assert seen["said"].startswith("Left, 0 to 2.002 s: at rest, or faded into the noise: ")
+    assert seen["chosen"][:2] == ["--part 0:2.002", "--mode 31.7Hz"]
+    assert seen["chosen"][2] == f"{start} --part 0:2.002 --mode 31.7Hz -o rig.yaml --report rig.html"
+    assert seen["end"] == "2.002"
+
+
+def test_a_notebook_shows_the_same_page_and_asks_no_one(pages):
+    cell = pages / "cell.html"
+    shown = dashpot.look(pages / "two.csv")._repr_html_()
+    cell.write_text(f"<!doctype html><p>before</p>{shown}", encoding="utf-8")
+    ask = """...(() => {
+      const frame = page.querySelector("iframe").contentDocument;
+      const choice = frame.querySelectorAll(".choice")[0];
+      choice.dispatchEvent(new KeyboardEvent("keydown", {key: "Enter", bubbles: true}));
+      return {chosen: [...frame.querySelectorAll(".chosen code")].map(code => code.textContent)};
+    })()"""
+    chosen = looked_at(cell, more=ask)["chosen"]
+    assert chosen[:2] == ["", 'mode="9.301Hz"']
+    assert chosen[2].endswith('two.csv\', mode="9.301Hz")')
 
 
 def test_what_is_wrong_with_a_page_is_seen(tmp_path):
