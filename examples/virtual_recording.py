@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 
 import numpy as np
 
@@ -65,3 +66,18 @@ def recording_of(
     y = y + offset + size * random.standard_normal(n)
     force = None if sweep is None else pieces[:, 0] + force_noise * random.standard_normal(n)
     return Recording(name, fs, y, force, quantity, UNITS[quantity])
+
+
+def save(recording: Recording, path: str | Path) -> None:
+    """Write a recording as CSV, whose header names time, force where there is one, and quantity with its unit."""
+    given = {} if recording.force is None else {"force_N": recording.force}
+    shown = {f"{recording.quantity}_{UNITS[recording.quantity].replace('/', '_')}": recording.response}
+    columns = {"time_s": np.arange(recording.response.size) / recording.fs, **given, **shown}
+    np.savetxt(path, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")
+
+
+def with_mass_added(values: Mapping[str, float], added: float) -> dict[str, float]:
+    """Eq. 17 of the same rig with a further mass, kg, on it: all forces stay, and are over a larger mass."""
+    part = values["mass"] / (values["mass"] + added)
+    scaled = {name: part * values[name] for name in ("cubic", "preload", "viscous", "dry")}
+    return {**scaled, "mass": values["mass"] + added, "omega0": part**0.5 * values["omega0"]}

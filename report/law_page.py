@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 from ..model.display import number, pretty_unit
 from ..model.effect_words import phrase_of
@@ -34,8 +36,11 @@ def page_name(law: Law) -> str:
     return law.name.replace("/", "-")
 
 
-def law_page(law: Law, picture: str) -> str:
-    """A page on one law; ``picture`` is where its figure lies, as seen from the page."""
+def law_page(law: Law, picture: str, named: Mapping[str, Sequence[str]] = MappingProxyType({})) -> str:
+    """A page on one law; ``picture`` is where its figure lies, as seen from the page.
+
+    ``named`` has pages on which a diagnosis named the law, as links, each with its recordings.
+    """
     phrase = phrase_of(law)
     lines = "<br>".join(f"`{line}`" for line in law.in_words(str).split("; "))
     kept = "–" if law.force is None else "yes" if law.stored is not None else "no: all power it takes is dissipated"
@@ -78,8 +83,16 @@ def law_page(law: Law, picture: str) -> str:
             "",
             _tell_tale(law),
             "",
+            *_where_named(named),
         ]
     )
+
+
+def _where_named(named: Mapping[str, Sequence[str]]) -> list[str]:
+    if not named:
+        return []
+    rows = [f"- {page}: `{'`, `'.join(files)}`" for page, files in named.items()]
+    return ["## Where it was named", "", "By a diagnosis of these recordings:", "", *rows, ""]
 
 
 def _parameters(law: Law) -> list[str]:

@@ -2,6 +2,7 @@
 
 - Documents and sources that a page names outside docs/ come along, and links to them lead there.
 - Each law of the library has a page and a picture; `library.md` gets their table, `commands.md` the commands' help.
+- The pages of docs/gallery/ are worked out (`worked.py`): what their commands print and draw stands behind them.
 - Equations become MathML, which browsers draw by themselves.
 """
 
@@ -12,15 +13,21 @@ import os
 import posixpath
 import re
 import shutil
+import sys
 import tempfile
 from html import unescape
 from pathlib import Path
 from typing import Any
 
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.exceptions import PluginError
 from mkdocs.plugins import event_priority
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
+
+sys.path.append(str(Path(__file__).parent))
+
+from worked import Differs, Worked, shown, worked  # noqa: E402 - beside this file, which mkdocs loads by its path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -35,6 +42,9 @@ ELSEWHERE = {
 _LINK = re.compile(r"(\]\()([^)#\s:]+)((?:#[^)\s]*)?\))")
 _CODE = re.compile(r"(```.*?```|`[^`\n]*`)", re.DOTALL)
 _LAWS, _COMMANDS = "<!-- the laws -->", "<!-- the commands -->"
+GALLERY = "gallery/"
+#: What the pages of the gallery gave, by their stem.
+_gallery: dict[str, Worked] = {}
 
 
 @event_priority(100)  # before mkdocstrings, which is told where the package lies
@@ -76,10 +86,12 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 
     for origin, uri in ELSEWHERE.items():
         files.append(File.generated(config, uri, content=(ROOT / origin).read_text("utf-8")))
+    _work_out(files, config)
     for law in laws():
         name = page_name(law)
         picture = drawn(law_figure(law, name), "svg")
-        files.append(File.generated(config, f"library/{name}.md", content=law_page(law, f"{name}.svg")))
+        page = law_page(law, f"{name}.svg", _named(law.name))
+        files.append(File.generated(config, f"library/{name}.md", content=page))
         files.append(File.generated(config, f"library/{name}.svg", content=picture))
     named = {
         target
@@ -96,14 +108,47 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Links as the site needs them, and what is made from the code."""
     uri = page.file.src_uri
-    pieces = _CODE.split(markdown)
-    pieces[::2] = [_LINK.sub(lambda m: m[1] + _on_site(uri, m[2]) + m[3], text) for text in pieces[::2]]
-    markdown = "".join(pieces)
+    if uri.startswith(GALLERY) and (made := _gallery.get(Path(uri).stem)) is not None:
+        return _linked(uri, shown(markdown, Path(uri).name, made))
+    markdown = _linked(uri, markdown)
     if _LAWS in markdown:
         from dashpot.report.law_page import library_table
 
         markdown = markdown.replace(_LAWS, library_table())
     return markdown.replace(_COMMANDS, _commands()) if _COMMANDS in markdown else markdown
+
+
+def _linked(uri: str, markdown: str) -> str:
+    """The page's links as the site needs them; a picture of the gallery lies beside its page."""
+    pieces = _CODE.split(markdown)
+    pieces[::2] = [_LINK.sub(lambda m: m[1] + _on_site(uri, m[2]) + m[3], text) for text in pieces[::2]]
+    return "".join(pieces)
+
+
+def _work_out(files: Files, config: MkDocsConfig) -> None:
+    """Run the pages of the gallery, and add their pictures."""
+    pages = sorted(Path(config.docs_dir, GALLERY).glob("*.md"))
+    try:
+        _gallery.update(worked(pages))
+    except Differs as problem:
+        raise PluginError(str(problem)) from problem
+    for made in _gallery.values():
+        for name, picture in made.pictures.items():
+            files.append(File.generated(config, f"{GALLERY}{name}", content=picture))
+
+
+def _named(law: str) -> dict[str, list[str]]:
+    """Pages of the gallery, as seen from a law's page, that name the law: title and link to the recordings."""
+    return {
+        f"[{_title(stem)}](../{GALLERY}{stem}.md)": made.named[law]
+        for stem, made in _gallery.items()
+        if law in made.named
+    }
+
+
+def _title(stem: str) -> str:
+    text = (ROOT / "docs" / GALLERY / f"{stem}.md").read_text("utf-8")
+    return text.partition("\n")[0].removeprefix("# ")
 
 
 def on_page_content(html: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
