@@ -65,8 +65,23 @@ def cli() -> None:
 
 @cli.command()
 @click.option("-o", "--output", type=FILE, default=Path("demo"), show_default=True, help="Folder for the files.")
-def demo(output: Path) -> None:
-    """The whole story on the built-in rig, in under two minutes."""
+@click.option(
+    "--break", "broken_by", metavar="LAW", shell_complete=law_names, help="Break the rig by a law; is it named?"
+)
+@with_laws
+def demo(output: Path, broken_by: str | None) -> None:
+    """The whole story on the built-in rig, in under two minutes; with --break, on one that lacks a law of the library.
+
+    With --break, exit code 1 says that the law was not named.
+    """
+    if broken_by is not None:
+        from ..face import demo_broken
+
+        named = demo_broken.run(output, broken_by, click.echo)
+        say(demo_broken.next_lines(output))
+        if not named:
+            sys.exit(1)
+        return
     from ..face.demo import run
 
     shown = [""]

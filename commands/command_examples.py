@@ -7,7 +7,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "check": ("dashpot check decays.csv sweep.csv.gz", "dashpot check decay.csv --json | jq .parameters.cubic"),
     "compare": ("dashpot compare before.yaml after.yaml --repeats test1.yaml test2.yaml test3.yaml",),
     "completion": ('eval "$(dashpot completion bash)"',),
-    "demo": ("dashpot demo -o demo",),
+    "demo": ("dashpot demo -o demo", "dashpot demo --break quadratic-drag -o broken"),
     "diagnose": (
         "dashpot diagnose rig.yaml sweep_high.csv decay.csv --holdout multisine.csv -o diagnosis",
         "dashpot diagnose rig.yaml sweep.csv -o diagnosis --json > diagnosis.json",

@@ -104,14 +104,14 @@ class Record:
         return np.column_stack([np.arange(self.shown.size) / FS, *given, self.shown])
 
 
-def records(law: str = "", strength: float = 1.0, names: Sequence[str] = (), seed: int = 0) -> list[Record]:
+def records(law: str = "", strength: float = 1.0, names: Sequence[str] = (), noise: bool = True) -> list[Record]:
     """The recordings of the stand with a law, or of the stand as it is where that is empty.
 
     Args:
         law: its name in the library.
         strength: times the middle of the sizes that are drawn in the blind proof.
         names: of recordings; none: all.
-        seed: of the sensors' noise.
+        noise: whether the sensors have any.
 
     Raises:
         ValueError: the integrator does not have the law; RuntimeError: there is no compiler.
@@ -122,16 +122,22 @@ def records(law: str = "", strength: float = 1.0, names: Sequence[str] = (), see
         rig = {**rig, **more}
     rig = {**rig, "force": STRONG / TRUTH["mass"]}
     made = []
-    for place, (name, (drive, x0, length)) in enumerate(_plans().items()):
+    for name, (drive, x0, length) in _plans().items():
         if names and name not in names:
             continue
-        noise = np.random.default_rng([seed, place])
         run = simulate(rig, drive, x0, FS, round(length * FS))
-        peak = float(np.abs(run.force).max())
-        force = run.force + FORCE_NOISE * peak * noise.standard_normal(run.force.size)
-        shown = run.shown + SENSOR_NOISE * noise.standard_normal(run.shown.size)
-        made.append(Record(name, force if peak else None, shown))
+        record = Record(name, run.force if drive.peak else None, run.shown)
+        made.append(with_noise(record) if noise else record)
     return made
+
+
+def with_noise(record: Record) -> Record:
+    """The recording as the sensors show it; each has a seed of its own."""
+    noise = np.random.default_rng([0, list(_plans()).index(record.name)])
+    force = record.force
+    if force is not None:
+        force = force + FORCE_NOISE * float(np.abs(force).max()) * noise.standard_normal(force.size)
+    return Record(record.name, force, record.shown + SENSOR_NOISE * noise.standard_normal(record.shown.size))
 
 
 def make(law: str, folder: str | Path = ".", strength: float = 1.0, names: Sequence[str] = ()) -> list[Path]:

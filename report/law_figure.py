@@ -66,14 +66,15 @@ class Pair:
 def example(law: Law) -> Pair:
     """The rig alone, and with the law at a size that shows; of a law of Eq. 17 with more of it than the rig has."""
     own = law in BASE
-    values = _MORE if own else {f"{law.name}.{p.name}": _size(law, p) for p in law.parameters}
+    values = _MORE if own else {f"{law.name}.{p.name}": size_that_shows(law, p) for p in law.parameters}
     taken = {p.name: values[p.name] for p in law.parameters} if own else values
     response = Response("displacement", "m")
     having = Oscillator.from_values({**RIG, **taken}, laws=() if own else (law,), response=response)
     return Pair(Oscillator.from_values(RIG, response=response), having)
 
 
-def _size(law: Law, p: LawParameter) -> float:
+def size_that_shows(law: Law, p: LawParameter) -> float:
+    """A value of a law's parameter at which the law shows on the rig, in the parameter's unit."""
     if p.probes == "lines":
         return SCALES.lines[0]
     if law.path == "dissipation" and p.unit == "X/s2":

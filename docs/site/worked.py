@@ -3,7 +3,7 @@
 A page of docs/gallery/ has blocks of Python, which make or copy recordings, and blocks of commands. They run in the
 order of the page. Behind a block of commands a comment says what of the output matters:
 
-    <!-- says: PART | PART -->     each is in the output, or the build fails; the lines with them are shown
+    <!-- says: PART | ^PART -->    each is in the output, or is how a line begins, or the build fails; such lines are shown
     <!-- picture: FILE | WORDS --> a picture that a command has drawn, with what it shows
 
 All that was printed stands folded beneath. What a page gave is kept in .worked/ by the page and all sources of the
@@ -121,7 +121,7 @@ def run(text: str, name: str) -> Worked:
             content = json.loads(found.read_text("utf-8"))
             rows = [row["file"] for part in ("train", "holdout") for row in content["fit"][part]]
             for effect in content["effects"]:  # of a stretch, "FILE, 0 to 2 s", the file
-                made.named[effect["effect"]] = list(dict.fromkeys(row.partition(",")[0] for row in rows))
+                made.named[effect["law"]] = list(dict.fromkeys(row.partition(",")[0] for row in rows))
     return made
 
 
@@ -163,12 +163,23 @@ def _ran(command: list[str], folder: Path, wanted: int, what: str) -> str:
 
 def _check(words: str, printed: str, name: str) -> None:
     for part in _parts(words):
-        if part not in printed:
+        if not any(_holds(line, part) for line in printed.splitlines()):
             raise Differs(f"{name}: {part!r} was not printed:\n{printed}")
 
 
 def _parts(words: str) -> list[str]:
     return [part.strip() for part in words.split("|")]
+
+
+def _holds(line: str, part: str) -> bool:
+    return f"{line.strip()} ".startswith(f"{part[1:]} ") if part.startswith("^") else part in line
+
+
+def _picked(printed: str, words: str) -> list[str]:
+    """The lines that hold a part, a note that is printed twice only once."""
+    lines = [line for line in printed.splitlines() if any(_holds(line, part) for part in _parts(words))]
+    bare = [re.sub(r"^ *(note: |- )", "", line).rstrip(".") for line in lines]
+    return [line for place, line in enumerate(lines) if bare[place] not in bare[:place]]
 
 
 def _drawn(folder: Path) -> str:
@@ -194,8 +205,7 @@ def shown(text: str, name: str, made: Worked) -> str:
             says = re.match(r"\s*<!-- says: (.*?) -->", text[match.end() :], re.DOTALL)
             return match[0] + ("" if says else _whole(last))
         if remark == "says":
-            picked = [line for line in last.splitlines() if any(part in line for part in _parts(words))]
-            return "\n```text\n" + "\n".join(picked) + "\n```\n\n" + _folded(last)
+            return "\n```text\n" + "\n".join(_picked(last, words)) + "\n```\n\n" + _folded(last)
         file, _, alt = words.partition("|")
         return f"\n![{alt.strip()}]({_picture(name, file.strip())})\n"
 

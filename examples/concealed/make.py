@@ -32,7 +32,12 @@ PARTS = "parts"  # of a suite begun: the truth of each rig, gone when it is seal
 
 
 def write_recording(path: Path, table: np.ndarray, shown: str = "displacement_m") -> None:
-    """Write a recording, (n, 3), its third column headed `shown`, as gzipped CSV; the same numbers, the same bytes.
+    """Write a recording as `csv_of` gives it."""
+    path.write_bytes(csv_of(table, shown))
+
+
+def csv_of(table: np.ndarray, shown: str = "displacement_m") -> bytes:
+    """A recording, (n, 3), its third column headed `shown`, as gzipped CSV; the same numbers, the same bytes.
 
     One of (n, 2) has no force.
     """
@@ -40,7 +45,7 @@ def write_recording(path: Path, table: np.ndarray, shown: str = "displacement_m"
     force = table.shape[1] == 3
     text.write(f"time_s,{'force_N,' if force else ''}{shown}\n")
     np.savetxt(text, table, fmt=["%.9f", "%.7g", "%.7g"] if force else ["%.9f", "%.7g"], delimiter=",")
-    path.write_bytes(gzip.compress(text.getvalue().encode(), compresslevel=6, mtime=0))
+    return gzip.compress(text.getvalue().encode(), compresslevel=6, mtime=0)
 
 
 def make(
