@@ -70,7 +70,7 @@ def cli() -> None:
 )
 @with_laws
 def demo(output: Path, broken_by: str | None) -> None:
-    """The whole story on the built-in rig, in under two minutes; with --break, on one that lacks a law of the library.
+    """The whole story on the built-in rig, in under two minutes; with --break, a rig of which the model lacks a law.
 
     With --break, exit code 1 says that the law was not named.
     """

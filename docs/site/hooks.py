@@ -27,7 +27,8 @@ from mkdocs.structure.pages import Page
 
 sys.path.append(str(Path(__file__).parent))
 
-from worked import Differs, Worked, shown, worked  # noqa: E402 - beside this file, which mkdocs loads by its path
+# it stands beside this file, which mkdocs loads by its path
+from worked import Differs, Worked, shown, worked
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

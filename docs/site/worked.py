@@ -3,7 +3,7 @@
 A page of docs/gallery/ has blocks of Python, which make or copy recordings, and blocks of commands. They run in the
 order of the page. Behind a block of commands a comment says what of the output matters:
 
-    <!-- says: PART | ^PART -->    each is in the output, or is how a line begins, or the build fails; such lines are shown
+    <!-- says: PART | ^PART -->    each is in the output, or is how a line begins, or the build fails; these are shown
     <!-- picture: FILE | WORDS --> a picture that a command has drawn, with what it shows
 
 All that was printed stands folded beneath. What a page gave is kept in .worked/ by the page and all sources of the

@@ -239,7 +239,7 @@ def functions(tmp_path_factory):
 
 
 def test_the_calls_of_casadi_run(functions):
-    """Each line of docs/control.md that calls one of the functions; where it leaves arguments out, that the name is there."""
+    """Each line of docs/control.md that calls one of the functions; of one without arguments, that it is there."""
     run = []
     for span in spans(ROOT / "docs/control.md"):
         code = span.partition(" = ")[2] or span
