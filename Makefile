@@ -84,7 +84,7 @@ setup: ## set up .venv for development, nothing else
 	@sh .ci/setup dev
 
 clean: ## remove what the commands made, but for .venv
-	@rm -rf build dist demo proof recorded site dashpot.egg-info .pytest_cache .ruff_cache
+	@rm -rf build dist demo proof recorded site .worked dashpot.egg-info .pytest_cache .ruff_cache
 	@find . -name .venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean ## remove .venv as well

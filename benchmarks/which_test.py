@@ -2,13 +2,15 @@
 
     python -P benchmarks/which_test.py [--write] [--laws NAME ...]
 
-The rig is that of the law pages (`report/law_figure.py`), with each law at the size at which its page shows it. A test is simulated,
-and so are its derivatives by all parameters of Eq. 17 and of the law, and by the initial state of a decay. With a sensor of 1 µm that
-gives the expected information, and from it the covariance (Cramér and Rao). An entry is the number of standard errors by which the
-law's strengths differ from none while everything else is free; of a law without a strength (a lag, a limit), the size of what it
-changes in the response over that of the noise, less what Eq. 17 can imitate. Below 4 nobody can name it, from some tens on anybody.
+The rig is that of the law pages (`report/law_figure.py`), with each law at the size at which its page shows it. A
+test is simulated, and so are its derivatives by all parameters of Eq. 17 and of the law, and by the initial state of
+a decay. With a sensor of 1 µm that gives the expected information, and from it the covariance (Cramér and Rao). An
+entry is the number of standard errors by which the law's strengths differ from none while everything else is free; of
+a law without a strength (a lag, a limit), the size of what it changes in the response over that of the noise, less
+what Eq. 17 can imitate. Below 4 nobody can name it, from some tens on anybody.
 
-The second table has the factors by which these figures change, the median over all laws, where one thing of the test does.
+The second table has the factors by which these figures change, the median over all laws, where one thing of the test
+does.
 
 `--write` puts both behind the markers of the page.
 """
