@@ -17,6 +17,7 @@ import logging
 import re
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -38,7 +39,7 @@ def start(x: np.ndarray) -> dict[str, float]:
     """Frequency by zero crossings, damping by the envelope, and nothing else."""
     up = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
     cycle = (up[-1] - up[0]) / (len(up) - 1) / FS
-    peaks = [np.abs(x[a:b]).max() for a, b in zip(up[:-1], up[1:], strict=True)]
+    peaks = [np.abs(x[a:b]).max() for a, b in pairwise(up)]
     rate = np.log(peaks[0] / peaks[-1]) / (cycle * (len(peaks) - 1))
     none = dict.fromkeys(("cubic", "preload", "dry", "v0"), 0.0)
     return {**none, "omega0": 2 * np.pi / cycle, "viscous": 2 * rate, "x0": x[0]}

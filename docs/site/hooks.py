@@ -109,8 +109,10 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Links as the site needs them, and what is made from the code."""
     uri = page.file.src_uri
-    if uri.startswith(GALLERY) and (made := _gallery.get(Path(uri).stem)) is not None:
-        return _linked(uri, shown(markdown, Path(uri).name, made))
+    if uri.startswith(GALLERY):
+        if (made := _gallery.get(Path(uri).stem)) is not None:
+            return _linked(uri, shown(markdown, Path(uri).name, made))
+        markdown += "\nThe recording was not at hand when this site was made, so that nothing is printed here.\n"
     markdown = _linked(uri, markdown)
     if _LAWS in markdown:
         from dashpot.report.law_page import library_table

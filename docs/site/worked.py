@@ -8,6 +8,9 @@ order of the page. Behind a block of commands a comment says what of the output 
 
 All that was printed stands folded beneath. What a page gave is kept in .worked/ by the page and all sources of the
 package, so that a second build takes it from there.
+
+`<!-- needs: FILE -->` on top names a recording of other people, which is looked for in DASHPOT_DATA or ../shared/data.
+Where it is not there, the page stays as it is written, and says so; nothing of it goes into the repository.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -29,6 +33,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 KEPT = ROOT / ".worked"
+#: Another number where pages are to be run otherwise, so that what is kept counts no more.
+_FORM = "1"
+_NEEDS = re.compile(r"<!-- needs: (\S+) -->\n")
 #: Folders of the repository on which no result depends.
 _ASIDE = ("tests", "docs", "benchmarks", "build", "demo", "proof", "recorded", "site")
 _BLOCK = re.compile(r"```(python|console)\n(.*?)```\n|<!-- (says|picture): (.*?) -->\n", re.DOTALL)
@@ -58,19 +65,20 @@ class Worked:
 
 
 def worked(pages: Iterable[Path]) -> dict[str, Worked]:
-    """Each page by its stem, run or taken from an earlier build; two at a time.
+    """Each page by its stem, run or taken from an earlier build, two at a time; without those that lack a recording.
 
     Raises:
         Differs: a command ended otherwise than the page says, or did not print what it says.
     """
-    pages = list(pages)
+    pages = [page for page in pages if needed(page.read_text("utf-8")) is not None]
     with ThreadPoolExecutor(2) as pool:
         return dict(zip([page.stem for page in pages], pool.map(_kept, pages), strict=True))
 
 
 def _kept(page: Path) -> Worked:
     text = page.read_text("utf-8")
-    key = hashlib.sha256((text + _sources() + Path(__file__).read_text("utf-8")).encode()).hexdigest()[:16]
+    given = b"".join(file.read_bytes() for file in needed(text) or ())
+    key = hashlib.sha256((text + _sources() + _FORM).encode() + given).hexdigest()[:16]
     place = KEPT / f"{page.stem}-{key}.json"
     if place.exists():
         return Worked(**json.loads(place.read_text("utf-8")))
@@ -83,6 +91,13 @@ def _kept(page: Path) -> Worked:
     beside.write_text(json.dumps(asdict(made)), "utf-8")
     beside.replace(place)
     return made
+
+
+def needed(text: str) -> list[Path] | None:
+    """The recordings of other people that a page needs; None where one is not at hand."""
+    folder = Path(os.environ.get("DASHPOT_DATA") or ROOT.parent / "shared" / "data")
+    files = [folder / name for name in _NEEDS.findall(text)]
+    return files if all(file.is_file() for file in files) else None
 
 
 def _sources() -> str:
@@ -106,6 +121,8 @@ def run(text: str, name: str) -> Worked:
     made = Worked()
     with tempfile.TemporaryDirectory(prefix="dashpot-page-") as place:
         folder = Path(place)
+        for file in needed(text) or ():
+            shutil.copy(file, folder / file.name)
         for match in _BLOCK.finditer(text):
             kind, block, remark, words = match.groups()
             if kind == "python":
