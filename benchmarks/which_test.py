@@ -174,7 +174,7 @@ def table(laws: Sequence[Law]) -> tuple[str, str]:
     found = {law.name: {name: significance(law, test) for name, test in TESTS.items()} for law in laws}
     head = ["| law | " + " | ".join(TESTS) + " |", "|---" * (1 + len(TESTS)) + "|"]
     rows = [
-        f"| [`{law.name}`](library/{law.name.replace('/', '-')}.md) | "
+        f"| `{law.name}` | "
         + " | ".join(_cell(found[law.name][name], max(found[law.name].values())) for name in TESTS)
         + " |"
         for law in laws
