@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import dissipation, environment, memory, restoring, transducers, unlisted
+from . import dissipation, environment, memory, restoring, transducers, unlisted, unwritten
 from .base import Base
 
 Draw = Callable[[np.random.Generator, Base, str, float], dict[str, float]]
@@ -71,7 +71,16 @@ _UNLISTED = (
     ("fractional-damping", unlisted.fractional_damping),
 )
 UNLISTED = {name: Effect(name, "open", draw) for name, draw in _UNLISTED}
-EVERYTHING = EFFECTS | UNLISTED
+#: Laws that are in no library, drawn at random: only what they depend on has a name.
+UNWRITTEN = {
+    effect.name: effect
+    for effect in (
+        Effect("unwritten-spring", "restoring", unwritten.spring),
+        Effect("unwritten-resistance", "dissipation", unwritten.resistance),
+        Effect("unwritten-damping-by-position", "dissipation", unwritten.damping_by_position),
+    )
+}
+EVERYTHING = EFFECTS | UNLISTED | UNWRITTEN
 
 
 def twins(effects: tuple[str, ...], parameters: dict[str, float]) -> list[str]:

@@ -47,6 +47,34 @@ static double commanded(const Rig *rig, double t)
     return force / p->mass;
 }
 
+/* One bend of a shape that nobody wrote, smooth everywhere. */
+static double bend(int kind, double u)
+{
+    const double size = fabs(u);
+    switch (kind) {
+    case 1: return atan(u);
+    case 2: return exp(-u * u);
+    case 3: return size + log1p(exp(-2.0 * size)); /* log cosh, but for log 2 */
+    case 4: return asinh(u);
+    case 5: return erf(u);
+    case 6: return cos(u);
+    default: return 0.0;
+    }
+}
+
+/* The sum of the bends at q, none at q = 0. */
+static double unwritten(const Parameters *p, double q)
+{
+    const double *bends = (const double *)(const void *)((const char *)p + offsetof(Parameters, bend_1));
+    double sum = 0.0;
+    for (int i = 0; i < BENDS; i++, bends += 4) {
+        if (bends[0] != 0.0) {
+            sum += bends[1] * (bend((int)bends[0], (q - bends[2]) / bends[3]) - bend((int)bends[0], -bends[2] / bends[3]));
+        }
+    }
+    return sum;
+}
+
 static double spring(const Rig *rig, double t, const double *y)
 {
     const Parameters *p = &rig->p;
@@ -72,6 +100,7 @@ static double spring(const Rig *rig, double t, const double *y)
     }
     force += pressed(rig, STOP_UP, contact(p->up_stiffness, p->up_damping, x - p->up_at, v));
     force -= pressed(rig, STOP_DOWN, contact(p->down_stiffness, p->down_damping, -x - p->down_at, -v));
+    force += p->unwritten_over == 1.0 ? unwritten(p, x) : 0.0;
     return force;
 }
 
@@ -82,6 +111,9 @@ static double damping(const Rig *rig, double t, const double *y)
     const double speed = rig->stuck ? 0.0 : rig->sign[SPEED] * v;
     double force = v * (p->viscous * (1.0 + p->damping_rate * t) + p->x2_damping * x * x + p->cubic_damping * v * v);
     force += p->drag * v * speed + p->direction_viscous * speed;
+    if (p->unwritten_over > 1.0) {
+        force += p->unwritten_over == 2.0 ? unwritten(p, v) : unwritten(p, x) * v;
+    }
     if (p->valve_damping > 0.0) {
         force += rig->sign[VALVE_UP] > 0 ? p->valve_damping * (v - p->valve_speed) : 0.0;
         force += rig->sign[VALVE_DOWN] > 0 ? p->valve_damping * (v + p->valve_speed) : 0.0;

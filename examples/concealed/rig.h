@@ -36,6 +36,9 @@
     X(speed_stiffness) X(inertia) X(damping_rate) X(friction_gain) X(friction_time) \
     X(valve_damping) X(valve_speed) X(switched_damping) X(switch_omega) X(switch_width) X(switch_memory) \
     X(second_coupling) X(second_omega) X(second_zeta) X(force_factor) X(sensor_play) \
+    /* a force of an unwritten shape, a sum of bends: over x, over v, or over x and times v (unwritten_over 1, 2, 3) */ \
+    X(unwritten_over) X(bend_1) X(size_1) X(place_1) X(width_1) X(bend_2) X(size_2) X(place_2) X(width_2) \
+    X(bend_3) X(size_3) X(place_3) X(width_3) X(bend_4) X(size_4) X(place_4) X(width_4) \
     /* a lab's imperfections: a hand that stops the rig from `hand_at` s on; a sensor whose clock runs fast by a part */ \
     X(hand_at) X(hand_damping) X(hand_stiffness) X(hand_place) X(sensor_clock) \
     /* sizes, for tolerances: working amplitude m, natural frequency rad/s, peak force per mass m/s^2 */ \
@@ -46,7 +49,7 @@ typedef struct {
     PARAMETERS(MEMBER)
 } Parameters;
 
-enum { MAXWELLS = 5, TAYLOR = 10, MOST_STATES = 24 };
+enum { MAXWELLS = 5, BENDS = 4, TAYLOR = 10, MOST_STATES = 24 };
 
 /* Surfaces whose crossing changes the equations. */
 enum {

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .effects import EFFECTS, UNLISTED
+from .effects import EFFECTS, UNLISTED, UNWRITTEN
 
-NONE, OPEN, TWO = "none", "open", "two"
+NONE, OPEN, TWO, LAW = "none", "open", "two", "unwritten"
 COUNTS = {NONE: 12, OPEN: 8, TWO: 6}
 NOISE_OF_NONE = ("white", "ar1", "white", "pink", "white", "quantised")  # in turn
 
@@ -76,14 +76,17 @@ def specs(
     """
     small = scale == "small"
     chosen = list(dict.fromkeys(kinds)) or [*EFFECTS, *([] if small else COUNTS)]
-    unknown = [name for name in chosen if name not in EFFECTS and name not in COUNTS and name not in UNLISTED]
+    known = [*EFFECTS, *COUNTS, *UNLISTED, *UNWRITTEN]
+    unknown = [name for name in chosen if name not in known]
     if unknown:
-        names = ", ".join([*EFFECTS, *COUNTS, *UNLISTED])
+        names = ", ".join(known)
         raise ValueError(f"there is no kind of rig named {', '.join(unknown)}; there are {names}")
     suite: list[Spec] = []
     for name in chosen:
         if name in EFFECTS:
             suite += _singles(seed, name, count or (1 if small else max(2, len(EFFECTS[name].variants))))
+        elif name in UNWRITTEN:
+            suite += [Spec(LAW, (name,), ("",), "white", i) for i in range(count or 1)]
         elif name in UNLISTED:
             suite += [Spec(OPEN, (name,), ("",), "white", i) for i in range(count or 1)]
         else:
