@@ -242,6 +242,7 @@ class Law:
             alike as long as the motion leaves some part of this law alone (one stop of two); None: there are none.
         learnt: whether its shape is learnt from the motion and stands for no cause: asked for where every law that has
             one has failed. Its name is ``free/...``, each an effect of its own.
+        finer: of a learnt curve the law that has the same one and knots between; None: there is none.
     """
 
     name: str
@@ -261,6 +262,7 @@ class Law:
     twin: str | None = None
     cases: Callable[[Mapping[str, float]], Sequence[tuple[str, Mapping[str, float]]]] | None = None
     learnt: bool = False
+    finer: str | None = None
 
     def in_words(self, shown: Callable[[str], str]) -> str:
         """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""
@@ -273,5 +275,5 @@ class Law:
 
     @property
     def effect(self) -> str:
-        """The effect's name, without the variant."""
-        return self.name if self.learnt else self.name.partition("/")[0]
+        """The effect's name, without the variant; of what is learnt without its fineness."""
+        return "/".join(self.name.split("/")[: 2 if self.learnt else 1])

@@ -27,7 +27,7 @@ PATHS = (
     "either",
     "environment",
 )
-_NAME = re.compile(r"[a-z][a-z0-9-]*(/[a-z0-9-]+)?")
+_NAME = re.compile(r"[a-z][a-z0-9-]*(/[a-z0-9-]+){0,2}")
 #: Words that can stand in a list, with the law's name in brackets behind them; empty where the sentence is to serve.
 _PHRASE = r"(?:[^\s.,;:()]+(?: [^\s.,;:()]+)*)?"
 _PARAMETER = re.compile(r"[a-z][a-z0-9-]*")

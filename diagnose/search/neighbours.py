@@ -9,7 +9,9 @@ from ...identify.problem.structure import Fitted, shapes_of
 from ...identify.start.measured_motion import probes
 from ...model import Oscillator
 from ...model.law import Law
-from ...model.terms import with_term
+from ...model.laws.free_curves import heights
+from ...model.library import find
+from ...model.terms import with_term, without_term
 from .candidate import Candidate, key
 from .race import PATIENCE, Entry, Start
 from .starts import generalised, without, without_anew
@@ -65,6 +67,26 @@ def more_general(leader: Candidate) -> list[Entry]:
         )
         for name, general, wider in generalised(leader.fit, leader.laws)
     ]
+
+
+def finer(leader: Candidate) -> list[Entry]:
+    """The leader with one learnt curve exchanged for that with knots between, where it is the same."""
+    assert leader.fit is not None
+    fit, entries = leader.fit, []
+    for name in leader.laws:
+        if (other := find(name).finer) is None:
+            continue
+        (old,) = [term for term in fit.model.terms if term.effect == name]
+        own = {p: q.value for p, q in old.parameters.items()}
+        law = find(other)
+        places = [p.name for p in law.parameters if p.strength]
+        values = own | dict(zip(places, heights(own), strict=True))
+        model = with_term(without_term(fit.model, name), other, {p.name: values[p.name] for p in law.parameters})
+        fixed = tuple(p for p in model.parameters() if p not in fit.free and p.partition(".")[0] != other)
+        scales = tuple(f"{other}.{p.name}" for p in law.parameters if p.scale)
+        laws = key([other if one == name else one for one in leader.laws])
+        entries.append(Entry(laws, model, fit.initial, fit.offsets, (*fixed, *scales), patience=PATIENCE))
+    return entries
 
 
 def with_shapes(start: Start) -> Entry | None:

@@ -36,7 +36,7 @@ from .found import Found, Weighing
 from .judgement import accepted, first_of_several, leading, needed_in_samples, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
-from .neighbours import dropped, entered_again, kept, more_general, with_learnt, with_shapes
+from .neighbours import dropped, entered_again, finer, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
 from .starts import Proposal, by_motion, by_score, by_zeros, unseen_in_motion
 from .weigh import foreseen_loss, judged
@@ -290,10 +290,10 @@ class Search:
     def _learnt(self, leader: Candidate) -> list[Start]:
         """Laws that are learnt, each beside the leader; where none with a cause leads, all together too; raced."""
         assert leader.fit is not None
-        laws = self._addable(leader, learnt=True)
-        together = [] if leader.laws or not laws else [tuple(laws)]
-        asked = [*((law,) for law in laws), *together]
-        entries = [with_learnt(leader, put, self.data, PATIENCE * len(put)) for put in asked]
+        every = self._addable(leader, learnt=True)
+        laws = [law for law in every if law.name not in {other.finer for other in every}]  # those are gone on to
+        together = [] if leader.laws or not laws else [tuple(law for law in laws if law.effect != "free/surface")]
+        entries = [with_learnt(leader, put, self.data, PATIENCE * len(put)) for put in (*zip(laws), *together)]
         entries = [entry for entry in entries if entry.laws not in self.candidates]
         self._race(starts := self._started(entries), leader.fit)
         return starts
@@ -445,7 +445,7 @@ class Search:
     def _exchanged(self, leader: Candidate) -> list[Entry]:
         """The leader with one law, or several at once, exchanged for one that acts most like it on its own motion."""
         assert leader.fit is not None
-        entries = more_general(leader)
+        entries = [*more_general(leader), *finer(leader)]
         # on the motion of a leader that is right, what acts like one of its laws begins near its own maximum
         patience = PATIENCE if self._at_noise(leader, ()) else _CONVERGES
         for names in (some for size in range(len(leader.laws)) for some in combinations(leader.laws, size + 1)):

@@ -23,6 +23,7 @@ from . import (
     displacement_dependent_damping,
     dry_friction,
     exponential_spring,
+    free_curves,
     free_damping,
     free_spring,
     further_mode,
@@ -94,10 +95,9 @@ LIBRARY: Mapping[str, Law] = MappingProxyType(
             stiffness_drift,
             stiffness_drift_settling,
             tonal_disturbance,
-            free_spring,
-            free_damping,
         )
     }
+    | {law.name: law for law in free_curves.LAWS}
 )
 
 #: Further modes, which are fitted beside the one that the model is of; no diagnosis asks for them.
@@ -109,5 +109,8 @@ PRESCRIBED: Mapping[str, Law] = MappingProxyType(
     {file.LAW.name: file.LAW for file in (digressive_damping, gas_spring, exponential_spring, lugre, nonlinear_maxwell)}
 )
 
+#: Learnt before there were ``free_curves``: model files may have them.
+EARLIER: Mapping[str, Law] = MappingProxyType({file.LAW.name: file.LAW for file in (free_spring, free_damping)})
+
 #: What a name may mean beside the library that a diagnosis asks for.
-FURTHER: Mapping[str, Law] = MappingProxyType({**MODES, **PRESCRIBED})
+FURTHER: Mapping[str, Law] = MappingProxyType({**MODES, **PRESCRIBED, **EARLIER})

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.candidate import Candidate
-from dashpot.diagnose.search.neighbours import entered_again, kept, more_general, with_learnt, with_shapes
+from dashpot.diagnose.search.neighbours import entered_again, finer, kept, more_general, with_learnt, with_shapes
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.structure import Fitted
 from dashpot.model import oscillator_with
@@ -38,13 +38,23 @@ def test_a_neighbour_keeps_what_was_kept_and_the_shape_of_a_new_law():
 
 def test_what_is_learnt_begins_at_nothing_and_is_measured_by_the_motion():
     entry = with_learnt(
-        Candidate(("stribeck",), fitted("stribeck")), [find("free/damping")], SimpleNamespace(scales=SCALES), 7
+        Candidate(("stribeck",), fitted("stribeck")), [find("free/damping/6")], SimpleNamespace(scales=SCALES), 7
     )
-    assert (entry.laws, entry.patience, entry.adds) == (("free/damping", "stribeck"), 7, True)
+    assert (entry.laws, entry.patience, entry.adds) == (("free/damping/6", "stribeck"), 7, True)
     values = entry.model.values()
-    assert {values[f"free/damping.{name}"] for name in ("near", "middle", "far")} == {0.0}
-    assert values["free/damping.reach"] == SCALES.length
-    assert values["free/damping.speed"] == SCALES.length * SCALES.omega
+    assert {values[f"free/damping/6.at-{k + 1}"] for k in range(7)} == {0.0}
+    assert values["free/damping/6.speed"] == SCALES.length * SCALES.omega
+
+
+def test_a_learnt_curve_is_gone_on_from_with_knots_between():
+    fit = fitted("free/damping/6", "quadratic-drag")
+    kept_dry = replace(fit, free=tuple(n for n in fit.free if n not in ("dry", "free/damping/6.speed")))
+    (entry,) = finer(Candidate(("free/damping/6", "quadratic-drag"), kept_dry))
+    assert entry.laws == ("free/damping/12", "quadratic-drag")
+    assert list(entry.fixed) == ["dry", "free/damping/12.speed"]
+    values = entry.model.values()
+    assert [values[f"free/damping/12.at-{k + 1}"] for k in range(13)] == [1.0] * 13
+    assert finer(Candidate(entry.laws, replace(fit, model=entry.model))) == []
 
 
 def test_shapes_are_freed_where_there_are_some():

@@ -186,7 +186,7 @@ def test_near_the_noise_the_measured_motion_is_not_asked():
     assert search._ways(near) == [search._as_long_or_shorter, search._scored]
     moved, instead, *scored = causes = ["_moved", "_as_long_or_shorter", "_scored", "_less_scored"]
     asked = {(): [*causes, "_learnt"], ("stribeck",): ["_learnt", *causes]}
-    asked[("free/damping",)] = [instead, "_learnt", moved, *scored]
+    asked[("free/damping/6",)] = [instead, "_learnt", moved, *scored]
     for laws, ways in asked.items():
         given = search._ways(leading(*laws, times=10.0)[1])
         assert [way.__name__ for way in given if way != search._rugged] == ways
@@ -197,10 +197,11 @@ def test_what_is_learnt_goes_beside_the_leader_and_all_together_beside_the_famil
     search, leader = leading("stribeck")
     family = leading()[1]
     assert [start.laws for start in search._learnt(leader)] == [
-        ("free/spring", "stribeck"),
-        ("free/damping", "stribeck"),
+        ("free/spring/6", "stribeck"),
+        ("free/damping/6", "stribeck"),
+        ("free/surface/6", "stribeck"),
     ]
-    alone = [("free/spring",), ("free/damping",), ("free/damping", "free/spring")]
+    alone = [("free/spring/6",), ("free/damping/6",), ("free/surface/6",), ("free/damping/6", "free/spring/6")]
     assert [start.laws for start in search._learnt(family)] == alone
     search.candidates[alone[0]] = Candidate(alone[0], stage="left")
     assert [start.laws for start in search._learnt(family)] == alone[1:]

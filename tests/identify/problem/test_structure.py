@@ -89,10 +89,11 @@ def test_beyond_those_bounds_a_search_may_begin_and_go_on(times, low, high):
 
 
 def test_what_others_are_measured_by_is_never_free():
-    values = {f"free/damping.{p.name}": 0.1 for p in find("free/damping").parameters}
-    model = oscillator_with(LINEAR | values, effects=["free/damping"])
+    laws = ["free/spring/6", "free/damping/6"]
+    values = {f"{law}.{p.name}": 0.1 for law in laws for p in find(law).parameters}
+    model = oscillator_with(LINEAR | values, effects=laws)
     free = structure_of(decay(), model=model).free
-    assert [name for name in values if name not in free] == ["free/damping.reach", "free/damping.speed"]
+    assert [name for name in values if name not in free] == ["free/spring/6.reach", "free/damping/6.speed"]
 
 
 def test_a_model_without_a_mass_has_bounds_for_the_rest():
