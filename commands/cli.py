@@ -356,6 +356,12 @@ def identify(
     help="After which the best answer is given that was found, and what was not tried is said; inf: no limit. "
     "(default: 60, or what DASHPOT_SECONDS says)",
 )
+@click.option(
+    "--write-law",
+    type=FILE,
+    metavar="FILE.py",
+    help="Law file to write: the closed form of a force that was learnt because no law of the library has its shape.",
+)
 @with_figures
 @with_mode
 @with_laws
@@ -367,25 +373,32 @@ def diagnose(
     output: Path,
     as_json: bool,
     seconds: float | None,
+    write_law: Path | None,
     figures: tuple[str, ...],
     mode: str | None,
     **options: Any,
 ) -> None:
     """Find the physics that a model lacks and recordings show; exit code 1 where something stays unexplained."""
     from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder
+    from ..face import learnt_law
     from ..face.element import is_element_file
     from ..face.workflow import diagnosed, seconds_allowed, write_diagnosis
     from ..model.file import load
     from ..report.diagnosis_text import describe
 
     allowed = seconds_allowed(seconds)
+    if write_law is not None:
+        learnt_law.law_name(write_law)
     if is_element_file(model):
+        if write_law is not None:
+            raise BadInput("--write-law is for oscillators; leave it out where the motion was prescribed")
         how = {"as_json": as_json, "seconds": allowed, "figures": figures, "options": options}
         element_commands.diagnose(model, recordings, holdout, output, **how)
         return
     check_folder(output)
     files = (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT)
-    outputs_checked([output / name for name in files], [model, *recordings, *holdout])
+    law = [] if write_law is None else [write_law]
+    outputs_checked([*(output / name for name in files), *law], [model, *recordings, *holdout])
     oscillator = load(model)
     training, held = read_all(recordings, options, say), read_all(holdout, options, say)
     with progress_shown() as progress:
@@ -397,6 +410,8 @@ def diagnose(
     else:
         click.echo(describe(diagnosis))
     say(f"written: {', '.join(str(path) for path in written)}")
+    if write_law is not None:
+        say(learnt_law.write_law(write_law, diagnosis))
     if diagnosis.verdict == "unexplained":
         sys.exit(1)
 

@@ -14,6 +14,7 @@ from ..identify.hilbert.hilbert_result import HilbertAnalysis, analysis_or_none
 from ..identify.signals.registry import shown
 from ..model import Oscillator, Parameter, Response
 from ..model.fit_state import Left
+from ..model.formula.closed_form import ClosedForm
 from ..model.left import over
 from ..model.physical import law_strengths
 from ..recording.recording import Recording
@@ -209,6 +210,7 @@ class Diagnosis:
         chain: what the measuring chain does, which is no physics of the rig.
         work: how often the recordings were simulated for it, and how long that took.
         recordings: all that it was judged by, whole, less what the measuring chain does.
+        forms: closed forms that the learnt curves of ``model`` may be, of each the shortest first.
     """
 
     verdict: Verdict
@@ -226,6 +228,7 @@ class Diagnosis:
     chain: tuple[ChainFact, ...] = ()
     work: Work | None = None
     recordings: tuple[Recording, ...] = ()
+    forms: tuple[ClosedForm, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Diagnosis: {self.verdict}. {self.sentence}>"
@@ -294,6 +297,7 @@ class Diagnosis:
                 for key, held in (("train", False), ("holdout", True))
             },
             "parameter_shift": self.parameter_shift(),
+            "formulas": [form.as_json() for form in self.forms],
             "considered": [
                 {
                     "effect": c.effect,

@@ -13,6 +13,7 @@ from ..identify.problem.data import Data
 from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted
 from ..model import Oscillator
+from ..model.formula.closed_form import closed_forms
 from ..model.law import Law
 from ..model.left import share_of_motion
 from ..model.library import find
@@ -117,6 +118,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
         latent=latent,
         notes=(*case.notes, *remarks),
         chain=case.chain,
+        forms=() if after is None else closed_forms(after),
         recordings=case.uncut if case.in_pieces else (*case.recordings, *case.holdout),
     )
 

@@ -387,6 +387,17 @@ class Diagnosis:
         """
         return figures_of(lambda: page_of_diagnosis(self.result, self.fmu), folder, kinds)
 
+    @speaks_python
+    def write_law(self, file: str | Path) -> str:
+        """Write the closed form of what was learnt as a law file; returns what was done, in a sentence.
+
+        Raises:
+            BadInput: the file's name is none for a law, is taken, or the file is another's.
+        """
+        from .learnt_law import write_law
+
+        return write_law(path_of(file, "a law file to write"), self.result)
+
 
 def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
     """The oscillator that is meant: a Model's, one itself, or that of a model file; raises BadInput for others."""

@@ -12,6 +12,7 @@ from ..model.show import warnings as model_warnings
 from .before_after import fit_sentence, more_responses_section, response_section
 from .blocks import Block, Items, Page, Section, Text
 from .effects import considered_section, effects_section, lead_table, shift_section
+from .learnt_curve import learnt_section
 from .location import location_section
 from .mended_curves import curves_section
 from .missing_force import force_section, more_forces
@@ -41,6 +42,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
     response, others = response_section(diagnosis), more_responses_section(diagnosis)
     sections = [
         replace(response, blocks=(*left, *response.blocks)) if said else response,
+        learnt_section(diagnosis),
         location_section(diagnosis),
         force_section(diagnosis),
         *(

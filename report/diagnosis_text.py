@@ -36,6 +36,9 @@ def describe(diagnosis: Diagnosis) -> str:
             lines += _effect(effect, diagnosis)
         if len(diagnosis.effects) > _EFFECTS:
             lines += _wrapped("and " + effects_in_words([e.law for e in diagnosis.effects[_EFFECTS:]]), "  ", 2)
+    for form in [form for form in diagnosis.forms if form.information == 0.0]:
+        numbers = ", ".join(f"{name} = {_value(p)}" for name, p in form.constants.items())
+        lines += ["", f"The shape of {form.effect}, within its band", f"  {form.text}", *_wrapped(numbers, "  ", 2)]
     if diagnosis.location is not None and diagnosis.location.statement.strip():
         lines += ["", "Where", *_wrapped(full_stop(diagnosis.location.statement), "  ", 3)]
     if diagnosis.records:

@@ -1,0 +1,69 @@
+"""The picture of a learnt curve: the band, the curve, the form over it; nothing where nothing was learnt."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from dashpot.model import Oscillator
+from dashpot.model.formula.closed_form import closed_forms
+from dashpot.model.oscillator import Provenance
+from dashpot.model.terms import with_term
+from dashpot.report.blocks import Figure, Table, Text
+from dashpot.report.chart import Band, Line
+from dashpot.report.learnt_curve import learnt_section
+
+VALUES = {"mass": 2.0, "omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 3.0, "dry": 0.0}
+REACH = 5e-3
+
+
+@pytest.fixture(scope="module")
+def model() -> Oscillator:
+    """A spring whose bend is the same everywhere, known to a hundredth: x² beside the straight line."""
+    names = [f"at-{k + 1}" for k in range(6)]
+    bend = 4000.0
+    # the cubic stands for the last knot's height, which all others lack: f'' / reach = 6 cubic x there
+    heights = {name: bend - bend * (k / 3 - 1.0) for k, name in enumerate(names)}
+    base = Oscillator.from_values(VALUES | {"cubic": bend / (6 * REACH**2)})
+    made = with_term(base, "free/spring/6", heights | {"reach": REACH})
+    free = ("omega0", "cubic", *(f"free/spring/6.{name}" for name in names))
+    errors = np.array([0.01, 0.01 * bend / (6 * REACH**2), *[0.01 * bend] * 6])
+    rows = tuple(map(tuple, np.diag(errors**2)))
+    return replace(made, identified=Provenance(parameters=free, covariance=rows))
+
+
+def test_the_section_shows_curve_band_and_form(model):
+    forms = closed_forms(model)
+    assert forms[0].text == "c0 x + c1 x²"
+    assert forms[0].constants["c1"].value == pytest.approx(4000.0 / (2 * REACH), rel=0.05)
+    section = learnt_section(SimpleNamespace(model=model, forms=forms))
+    figure, table, text = section.blocks
+    assert isinstance(figure, Figure)
+    assert isinstance(table, Table)
+    assert isinstance(text, Text)
+    assert "Dashed: c0 x + c1 x²" in figure.caption
+    whole, bent = figure.chart.panels
+    for panel in (whole, bent):
+        (band,) = [mark for mark in panel.marks if isinstance(mark, Band)]
+        curve, form = [mark for mark in panel.marks if isinstance(mark, Line)]
+        assert np.all((band.low <= curve.y) & (curve.y <= band.high))
+        assert np.max(np.abs(form.y - curve.y)) < np.max(band.high - band.low)
+    assert whole.x.label == "Displacement [mm]"
+    assert table.rows[0][0] == "c0 x + c1 x²"
+    assert "--write-law learnt-spring.py" in text.text
+
+
+def test_a_curve_without_a_form_says_so(model):
+    section = learnt_section(SimpleNamespace(model=model, forms=()))
+    (figure,) = section.blocks
+    assert isinstance(figure, Figure)
+    assert "No closed form of at most two pieces lies within its band." in figure.caption
+
+
+def test_nothing_learnt_has_no_section(model):
+    plain = Oscillator.from_values(VALUES)
+    assert learnt_section(SimpleNamespace(model=plain, forms=())).blocks == ()
+    bare = replace(model, identified=Provenance())
+    assert learnt_section(SimpleNamespace(model=bare, forms=())).blocks == ()
