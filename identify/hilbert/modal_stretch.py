@@ -44,7 +44,7 @@ class Stretch:
     ratio: np.ndarray | None = None  # F/X, complex
     force_noise: float = 0.0
     rung_in: int = 0  # so many low-passed values at the beginning hold the rig's own ringing beside the driven motion
-    run_out: int = 0  # so many at the end of a decay lean on where friction stopped it
+    run_out: int = 0  # so many of the last that stand clear of a decay's noise lean on where friction stopped it
 
     @property
     def keep(self) -> slice:
@@ -75,7 +75,8 @@ class Stretch:
             first = int(np.argmax(clear))
             clear[first + int(np.argmin(clear[first:])) :] = False
         clear[: self.rung_in] = False
-        clear[clear.size - self.run_out :] = False
+        if self.run_out:
+            clear[np.flatnonzero(clear)[-self.run_out :]] = False
         return clear
 
     @computed_once

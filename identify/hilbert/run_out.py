@@ -11,11 +11,14 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import BadInput
+from ..signals.registry import budget
 from .modal_fit import spring_and_friction
 from .modal_mass import MassFit
 from .modal_stretch import Stretch
 
 _NO_MASS = MassFit(rows=(np.zeros(0),))
+_FITS = budget(2, "fits", why="with the laws, and then with the harmonics that they make: their weights may stay rough")
+_ROUNDS = budget(2, "rounds", why="the second without what leans on the stop; it ends where nothing changes")
 
 
 def before_stop(decay: Stretch) -> Stretch:
@@ -29,9 +32,9 @@ def before_stop(decay: Stretch) -> Stretch:
     """
     reach = (decay.signal.kernel + decay.low_pass_kernel.size / 2) / decay.fs
     left = decay
-    for _ in range(2):
+    for _ in range(_ROUNDS):
         try:
-            spring, friction = spring_and_friction([left], _NO_MASS)
+            spring, friction = spring_and_friction([left], _NO_MASS, _FITS)
         except BadInput:  # nothing stands clear, or this is no oscillator: whoever fits it says so
             return left
         (viscous, dry), amplitude = friction.value, decay.amplitude[decay.keep]
@@ -40,10 +43,14 @@ def before_stop(decay: Stretch) -> Stretch:
         lasts = time_to_stop(
             amplitude - held(spring.value[0], spring.value[2], dry), decay.signal.omega[decay.keep], viscous, dry
         )
-        seen = np.flatnonzero(decay.clear & (lasts > reach))
+        clear = np.flatnonzero(decay.clear)
+        seen = clear[lasts[clear] > reach]
         if not seen.size:
             return decay
-        left = replace(decay, run_out=amplitude.size - 1 - int(seen[-1]))
+        run_out = int(clear[-1] - seen[-1])
+        if run_out == left.run_out:
+            break
+        left = replace(decay, run_out=run_out)
     return left
 
 
