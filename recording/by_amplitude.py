@@ -148,4 +148,5 @@ def _cut(recording: Recording, run: tuple[int, int], wanted: Amplitudes, *, seve
     span = f"{begin:.6g} to {end:.6g} s"
     note = f"{recording.name}: {span} are used, where the amplitude is {wanted}; the rest is left out"
     part = recording.slice(*run)
-    return replace(part, name=f"{recording.name} ({span})" if several else part.name, notes=(*part.notes, note))
+    apart = " " if "#" in recording.name else "#"  # what stands before it is the file
+    return replace(part, name=f"{recording.name}{apart}{span}" if several else part.name, notes=(*part.notes, note))

@@ -60,6 +60,7 @@ def test_several_releases_are_several_parts(tmp_path):
     parts = of_amplitude(both, amplitudes_of("1mm..4mm"))
     assert [part.start for part in parts] == pytest.approx([0.2 + instant(4e-3), 4.2 + instant(4e-3)], abs=0.05)
     assert len({part.name for part in parts}) == 2
+    assert {part.name.partition("#")[0] for part in parts} == {"two.csv"}
     path = tmp_path / "two.csv"
     rows = zip(np.arange(signal.size) / FS, both.response, strict=True)
     path.write_text("time_s,x_m\n" + "\n".join(f"{t:.3f},{x:.9g}" for t, x in rows))
