@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from ..errors import BadInput, printable
 from ..identify.fit.likeliest_modes import MEMBERS
 from ..identify.fit.plainest import Absent, at_least, given_none, likely_absent
-from ..identify.identification import belong_together, with_fixed
+from ..identify.identification import belong_together, plain_models, with_fixed
 from ..identify.problem.data import data_of, displacement_amplitude
 from ..identify.problem.structure import typical_sizes
 from ..identify.signals.registry import shown
@@ -22,7 +23,7 @@ from ..model import Oscillator
 from ..model.parameter import Parameter
 from ..model.physical import machine
 from ..model.show import columns_text, value_and_error
-from ..recording.recording import Recording
+from ..recording.recording import WHOLE, Recording
 from .advice import advised
 from .information import Information, foretold, information, with_covariance
 from .quality import Quality, qualities
@@ -98,7 +99,8 @@ def check(
     model = with_fixed(estimated(start, recordings, "rig"), fixed, final=True)
     data = data_of(recordings, model)
     progress("what these recordings tell")
-    whole = information(model, data, recordings, tuple(fixed))
+    others = partial(plain_models, model, start, recordings)
+    whole = information(model, data, recordings, tuple(fixed), others)
 
     def without(zero: Oscillator, gone: Sequence[str]) -> np.ndarray:
         return information(zero, data, recordings, (*fixed, *gone)).covariance
@@ -175,6 +177,8 @@ def of_information(
         known = with_covariance(plain, left, of_kept + absent.spread)
         better = {name: p for name, p in known.parameters().items() if name in left}
         parameters = [_told(t.name, better[t.name], False, False) if t.name in better else t for t in parameters]
+    if any(recording.base == WHOLE for recording in recordings):  # what drives it is per unit mass
+        known, parameters = replace(known, mass=None), [told for told in parameters if told.name != "mass"]
     return Check(
         recordings=qualities(recordings, found.segments),
         parameters=tuple(parameters),

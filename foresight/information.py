@@ -9,7 +9,7 @@ adds, are in it as they are in a fit's own errors.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -68,7 +68,11 @@ class Information:
 
 
 def information(
-    model: Oscillator, data: Data, recordings: Sequence[Recording], fixed: Sequence[str] = ()
+    model: Oscillator,
+    data: Data,
+    recordings: Sequence[Recording],
+    fixed: Sequence[str] = (),
+    others: Callable[[], Iterable[Oscillator]] = tuple,
 ) -> Information:
     """What recordings tell of a model, along the motion that it makes of them.
 
@@ -77,12 +81,13 @@ def information(
         data: the recordings, cut.
         recordings: of the segments.
         fixed: names of parameters that keep their values.
+        others: more models of the same structure, asked for where the first explains little.
 
     Raises:
         BadInput: where the model does not simulate along them.
     """
     structure = Structure(model, data, fixed, ())
-    problem, state, residuals = _near(structure, model, data, recordings, fixed)
+    problem, state, residuals = _near(structure, model, data, recordings, fixed, others)
     if not all(np.all(np.isfinite(left)) for left in residuals):
         raise BadInput("no model of Eq. 17 was found that simulates along these recordings; check units and signs")
     smooth, state = smooth_stretches(problem, state)  # as a fit leaves out what jumps, and knows the less for it
@@ -110,7 +115,12 @@ def information(
 
 
 def _near(
-    structure: Structure, model: Oscillator, data: Data, recordings: Sequence[Recording], fixed: Sequence[str]
+    structure: Structure,
+    model: Oscillator,
+    data: Data,
+    recordings: Sequence[Recording],
+    fixed: Sequence[str],
+    others: Callable[[], Iterable[Oscillator]],
 ) -> tuple[OutputError, State, tuple[np.ndarray, ...]]:
     """The problem at values near the answer: those given where they leave noise, else after a few steps."""
     problem = structure.problem
@@ -127,7 +137,7 @@ def _near(
     if keeps_step(problem.segments, problem.residuals(state)):
         state = search(problem, state, tolerance=1.0, most=_STEPS, informed=False).state
     else:
-        climb = best_climb(problem, structure.state(None), tuple)
+        climb = best_climb(problem, structure.state(None), others)
         problem, state = climb.problem, climb.state
     problem, state = kept_offsets(problem, state, model)
     return problem, state, problem.residuals(state)

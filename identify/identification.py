@@ -220,7 +220,7 @@ def identify(
                 return
             if start is not None:
                 yield begun(own)
-            for plain in _plain(base, hilbert, recordings):
+            for plain in plain_models(base, hilbert, recordings):
                 progress("that explains little; again from another start")
                 yield begun(plain)
 
@@ -355,7 +355,7 @@ def _alone(recordings: Sequence[Recording]) -> Fit:
     """Eq. 17 of some recordings, from starts of their own."""
     hilbert = hilbert_start(recordings)
     model = estimated(hilbert, recordings, "alone")
-    return maximum_likelihood(model, recordings, doubted=False, others=lambda: _plain(model, hilbert, recordings))
+    return maximum_likelihood(model, recordings, doubted=False, others=lambda: plain_models(model, hilbert, recordings))
 
 
 def with_fixed(model: Oscillator, values: Mapping[str, float], *, final: bool) -> Oscillator:
@@ -395,7 +395,7 @@ def _with_shapes(
         return fit
 
 
-def _plain(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Iterator[Oscillator]:
+def plain_models(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Iterator[Oscillator]:
     """Linear rigs: see ``plain_starts``."""
     known = start.parameters()
     for plain in plain_starts(hilbert, recordings):

@@ -7,10 +7,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.experiment.excitations import BEYOND, Excitation, Limits
+from dashpot.diagnose.experiment.excitations import BEYOND, Limits
 from dashpot.diagnose.experiment.next_experiment import _pace, _separating, _sharpening, next_experiment
-from dashpot.diagnose.experiment.rehearsal import rehearse
 from dashpot.errors import BadInput
+from dashpot.foresight.excitation import Excitation
+from dashpot.foresight.rehearsal import rehearse
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
