@@ -133,6 +133,11 @@ class Plan:
             ],
             "tells": self.tells,
             "peak": self.peak,
+            "instead": [
+                {"sentence": other.sentence(self.model.response.displacement_unit, self.model.force_unit)}
+                | {"error_over_wanted": _finite(ratio)}
+                for other, ratio in self.others
+            ],
             "noise": {"response": self.noise.sensor, "force": self.noise.force},
             "trials": [
                 {"stated": list(map(_finite, t.stated)), "off": list(map(_finite, t.off)), "reached": t.reached}
@@ -184,12 +189,12 @@ def plan(
     stage = Stage(model, wanted, bounds, noise, fs)
     progress("levels within stroke and force")
     first = stage.candidates()
-    if not first:
+    progress(f"what {len(first)} excitations would tell")
+    judged = stage.judged(first) if first else []
+    if not judged:
         raise BadInput(
             f"{model.name}: no test within the limits can be simulated; ask for more amplitude or force, or other tests"
         )
-    progress(f"what {len(first)} excitations would tell")
-    judged = stage.judged(first)
     progress("how long the best of them must be")
     finished = stage.finished(judged)
     best = min(finished, key=lambda one: (max(one.ratio, 1.0), one.excitation.seconds * one.excitation.repeats))
