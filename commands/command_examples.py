@@ -18,14 +18,14 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "dashpot export rig.yaml rig.py rig.m rig.mo",
         "dashpot export rig.yaml rig.fmu --fmi 3 --platform linux64,win64",
     ),
-    "hilbert": ("dashpot hilbert decays.csv sweep.csv.gz -o curves",),
+    "hilbert": ("dashpot hilbert decays.csv sweep.csv.gz -o curves --figures pdf,svg",),
     "identify": (
         "dashpot identify decays.csv sweep.csv.gz -o rig.yaml --report rig.html",
         "dashpot identify decay.csv -o rig.yaml --mass 0.27 --unit mm --part 2:30",
         "dashpot identify sweep.csv.gz -o drag.yaml --with quadratic-drag --fix preload=0",
     ),
     "linearise": ("dashpot linearise rig.yaml --amplitude 1e-3 --step 1e-3",),
-    "look": ("dashpot look runs.mat more.csv", "dashpot look runs.mat#run3 --force '*shaker*'"),
+    "look": ("dashpot look runs.mat more.csv --page look.html", "dashpot look runs.mat#run3 --force '*shaker*'"),
     "paper": ("dashpot paper -o paper",),
     "plan": (
         "dashpot plan rig.yaml --want 'cubic 1%' --most-amplitude 5mm --noise 1um --force-noise 1mN",

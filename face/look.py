@@ -61,14 +61,14 @@ def look(path: Path, options: Mapping[str, Any], place: int = 0) -> list[Seen]:
     from ..recording.channel import sought, stated_channels
     from ..recording.columns import parse_column
     from ..recording.content import MOST_MB
-    from ..recording.part import parse_part
+    from ..recording.part import part_of
     from ..recording.read import parts_of, place_of, tables_at
 
     response, part = options.get("response"), options.get("part")
     how: dict[str, Any] = {name: options.get(name) for name in _OPTIONS}
     stated = stated_channels(options.get("channels") or ())
-    typed = {name: options[name] for name in (*_OPTIONS, "channels") if options.get(name) not in (None, (), {})}
-    how["part"] = (parse_part(part) if isinstance(part, str) and part else part) or None
+    typed = {name: value for name in (*_OPTIONS, "channels") if _is_said(value := options.get(name))}
+    how["part"] = part_of(part) if part is not None else None
     responses: tuple[Any, ...] = (response,) if isinstance(response, str | int) else tuple(response or ())
     sha256, tables = tables_at(path, options.get("max_size", MOST_MB))
     how["channels"] = [channel.of(place, str(path)) for channel in stated]
@@ -112,7 +112,7 @@ def look_at_object(given: Any, options: Mapping[str, Any]) -> list[Seen]:
     from ..recording.part import part_of
 
     known = isinstance(given, Recording)  # which is as it is, whole
-    part = None if known or not options.get("part") else part_of(options["part"])
+    part = None if known or options.get("part") is None else part_of(options["part"])
     return [
         Seen(
             {
@@ -127,6 +127,10 @@ def look_at_object(given: Any, options: Mapping[str, Any]) -> list[Seen]:
         )
         for recording in recordings_of(given, **options)
     ]
+
+
+def _is_said(value: Any) -> bool:
+    return value is not None and not (isinstance(value, tuple | Mapping) and not value)
 
 
 def _roles(table: Table, response: str | None, how: Mapping[str, Any], taken: Sequence[int]) -> dict[str, str | None]:

@@ -35,6 +35,8 @@ KINDS = {
 }
 #: Rows of the table of pieces.
 _ROWS = 60
+#: Letters of a value that stands in what is to be pasted; longer ones are left to the reader.
+_LONGEST = 120
 
 
 @dataclass(frozen=True)
@@ -90,7 +92,8 @@ def _chosen(one: Shown, at: str, modes: str, *, element: bool, python: bool) -> 
     whole = "" if one.part is None else f"{begin:g}:{'' if math.isinf(end) else f'{end:g}'}"
     how = {"modes": modes, "whole": whole}
     if python:
-        ways = "".join(f", {name}={'...' if name == 'channels' else repr(value)}" for name, value in one.how.items())
+        texts = {name: "..." if name == "channels" else repr(value) for name, value in one.how.items()}
+        ways = "".join(f", {name}={text if len(text) <= _LONGEST else '...'}" for name, text in texts.items())
         call = f"dashpot.identify{'_element' if element else ''}({repr(one.file) if one.file else '...'}{ways}{{}})"
         return Chosen(*_keys(at), 'part="{}"', 'mode="{}"', call, join=",", **how)
     ways = "".join(f" {way}" for name, value in one.how.items() for way in _typed(name, value))
