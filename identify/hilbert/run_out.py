@@ -62,5 +62,5 @@ def held(squared: float, preload: float, dry: float) -> float:
 def time_to_stop(amplitude: np.ndarray, omega: np.ndarray, viscous: float, dry: float) -> np.ndarray:
     """Seconds (n,) that a decay of these amplitudes and frequencies goes on by Eq. 7, with friction ``dry`` > 0."""
     pure = np.maximum(amplitude, 0.0) * np.pi * np.maximum(omega, 0.0) / (2 * dry)
-    h = max(0.5 * viscous, np.finfo(float).tiny)
+    h = max(viscous, np.finfo(float).tiny) / 2
     return np.minimum(pure, np.log1p(h * pure) / h)
