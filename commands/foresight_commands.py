@@ -173,7 +173,8 @@ def prove_on(
     """One's own rig simulated with its noise, identified again, and the stated errors counted.
 
     A rig of Eq. 17 is simulated by an integrator that shares no code with the engine, one with further laws by the
-    engine. Exit code 1 where the errors do not hold, or the hidden law is not named in more than half of the runs.
+    engine. Exit code 1 where the errors do not hold, or the hidden law is not named in more than half of the runs. A
+    diagnosis of it takes as long as it needs, or what DASHPOT_SECONDS says.
     """
     from ..face.foresight import proved
     from ..model.file import load

@@ -57,7 +57,12 @@ class Played:
         known = Linearised.of(problem, state, problem.residuals(state), [noise]).shared.normal
         inverse = pseudo_inverse(known)
         driven = self.problem.segments[i].force is not None
-        return inverse @ scatter(problem, state, [noise], [force_noise if driven else 0.0], 0) @ inverse
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # where friction decides by chance, derivatives have no bound
+            spread = scatter(problem, state, [noise], [force_noise if driven else 0.0], 0)
+            covariance = inverse @ spread @ inverse
+        return covariance if np.all(np.isfinite(covariance)) else None
 
     def _alone(self, segment: Segment, free: Sequence[int]) -> OutputError:
         p = self.problem

@@ -1,4 +1,4 @@
-"""What would tell a parameter that is not told: a test of half its error, or the truth that there is none."""
+"""What would tell a parameter that is not told: a test that halves its error, or the truth that there is none."""
 
 from __future__ import annotations
 
