@@ -67,7 +67,7 @@ def done(words, folder):
 
 def written(words: list[str]) -> list[str]:
     """The files and folders that a command is told to write."""
-    named = [after for word, after in pairwise(words) if word in ("-o", "--report", "--json")]
+    named = [after for word, after in pairwise(words) if word in ("-o", "--report", "--json", "--page")]
     return named + ([word for word in words[3:] if re.search(r"\.[a-z]", word)] if words[1] == "export" else [])
 
 
