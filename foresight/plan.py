@@ -274,12 +274,12 @@ class Stage:
         for below, above in _BANDS:
             band = (below * low, above * high)
             driven += [
-                Excitation(kind, 1.0, 1.0, band, max(seconds, self._least(kind)))
+                Excitation(kind, 1.0, 1.0, band, min(max(seconds, self._least(kind)), self.bounds.seconds))
                 for kind in self.bounds.tests
                 if kind != "decay"
             ]
             if "sweep" in self.bounds.tests:
-                driven.append(Excitation("sweep", 1.0, 1.0, band[::-1], seconds))
+                driven.append(Excitation("sweep", 1.0, 1.0, (band[1], band[0]), seconds))
         levels = self._levels(driven)
         for excitation, level in zip(driven, levels, strict=True):
             if level is not None:

@@ -295,7 +295,9 @@ def describe(proof: Proof) -> str:
     lines = [f"{proof.name}, {proof.asked} times simulated by {proof.simulated_by}, at {proof.fs:g} Hz:"]
     lines += [f"  {test.sentence()}" for test in proof.tests]
     if proof.parameters:
-        cells = [("parameter", "truth", "stated error", "within 1, 2, 3 of it", "mean", "rms", "")]
+        cells: list[tuple[str, ...]] = [
+            ("parameter", "truth", "stated error", "within 1, 2, 3 of it", "mean", "rms", "")
+        ]
         for c in proof.parameters:
             shares = " ".join(f"{100 * share:.0f}" for share in c.within) + " %" if c.runs else "left at zero"
             out = f"left at zero {c.left_out} times" if c.left_out and c.runs else ""
