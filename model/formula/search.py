@@ -67,11 +67,11 @@ class _Target:
     line: np.ndarray
     choices: float
 
-    def columns(self, pieces: Sequence[Atom], inside: Sequence[float]) -> np.ndarray:
+    def columns(self, pieces: Sequence[Atom], inside: np.ndarray) -> np.ndarray:
         made = [self.line, *(atom.values(self.at, a) for atom, a in zip(pieces, inside, strict=True))]
         return self.whitener @ np.column_stack(made)
 
-    def left(self, pieces: Sequence[Atom], inside: Sequence[float]) -> float:
+    def left(self, pieces: Sequence[Atom], inside: np.ndarray) -> float:
         columns = self.columns(pieces, inside)
         if not np.all(np.isfinite(columns)):
             return np.inf
@@ -200,11 +200,8 @@ def _finished(target: _Target, pieces: Sequence[Atom], inside: np.ndarray) -> Fo
     for i, atom in enumerate(pieces):
         if atom.within:
             step = 1e-4 * inside[i]
-            moved = [
-                target.columns(pieces, [*inside[:i], inside[i] + sign * step, *inside[i + 1 :]])[:, 1 + i]
-                for sign in (1, -1)
-            ]
-            slopes.append((factors[1 + i] * (moved[0] - moved[1]) / (2 * step))[:, None])
+            more, less = (target.columns([atom], inside[[i]] + sign * step)[:, 1] for sign in (1, -1))
+            slopes.append((factors[1 + i] * (more - less) / (2 * step))[:, None])
     whole = np.column_stack(slopes)
     constants = np.array([*factors, *(a for a, atom in zip(inside, pieces, strict=True) if atom.within)])
     size = np.where((norm := np.linalg.norm(whole, axis=0)) > 0, norm, 1.0)

@@ -18,7 +18,7 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
         BadInput: it holds more than ``most`` MB.
         ModuleNotFoundError: without asammdf.
     """
-    from asammdf import MDF
+    from asammdf import MDF  # pyright: ignore[reportMissingImports]
 
     groups: dict[bytes, tuple[np.ndarray, str, list[Channel]]] = {}
     passed: dict[str, str] = {}
