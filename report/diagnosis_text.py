@@ -12,7 +12,7 @@ from ..model.display import full_stop, number, quantity_text, times_text
 from ..model.effect_words import effect_in_words
 from .before_after import fit_sentence, ratio_to_floor
 from .diagnosis_page import VERDICTS, next_step, remarks
-from .effects import BENT, shifts, size_text
+from .effects import BENT, is_curve, shifts, size_text
 from .location import PATHS
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _effect(effect: Effect, diagnosis: Diagnosis) -> list[str]:
     plan, strengths = diagnosis.experiment, diagnosis.of_machine(effect)
     lines = _wrapped(effect_in_words(effect.law), "  ", 2)
     lines += _wrapped(f"{PATHS.get(effect.path, effect.path)} (path: {effect.path})", "    ", 1)
-    names = list(effect.parameters)[:_PARAMETERS]
+    names = [] if is_curve(effect) else list(effect.parameters)[:_PARAMETERS]
     width = max((len(name) for name in names), default=0)
     for name in names:
         besides = f", or {_value(effect.parameters[name])} per unit mass" if name in strengths else ""

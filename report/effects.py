@@ -57,12 +57,21 @@ def lead_table(diagnosis: Diagnosis) -> list[Table]:
     rows: list[tuple[str | Cell, ...]] = []
     for effect in diagnosis.effects:
         sizes = [f"{name} {size_text(diagnosis, effect, name)}" for name in effect.parameters]
+        if is_curve(effect):
+            sizes = [
+                next((form.text for form in diagnosis.forms if form.effect == effect.effect), "a curve, drawn below")
+            ]
         rivals = effect.indistinguishable_from
         rival_words = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
         share = "" if effect.share is None else f"{number(100 * effect.share)} % of what is left without it"
         rows.append((effect_in_words(effect.law), ", ".join(sizes), share, probability_text(effect.odds), rival_words))
     head = ("What is missing", "Its size", "It takes", "Probability", "Not distinguished from")
     return [Table(head, tuple(rows), cards=True)] if rows else []
+
+
+def is_curve(effect: Effect) -> bool:
+    """Whether an effect is a learnt curve, whose heights at its knots tell a person nothing."""
+    return effect.law.startswith(f"{effect.effect}/") and effect.effect.startswith("free/")
 
 
 def size_text(diagnosis: Diagnosis, effect: Effect, name: str) -> str:
