@@ -151,7 +151,7 @@ def plan(
 @click.command("prove-on")
 @click.argument("model", type=FILE)
 @click.option("--runs", type=click.IntRange(1, 10000), metavar="N", help="How often. Default: 20, with --hide 3.")
-@click.option("--amplitude", metavar="5mm", help="How far it is moved. Default: as far as it was identified.")
+@click.option("--most-amplitude", metavar="5mm", help="How far it is moved. Default: as far as it was identified.")
 @click.option("--hide", metavar="LAW", help="A law of the model that the identification is not told of, to be named.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the noise.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
@@ -164,7 +164,7 @@ def prove_on(
     like: tuple[Path, ...],
     noise: str | None,
     force_noise: str | None,
-    amplitude: str | None,
+    most_amplitude: str | None,
     hide: str | None,
     seed: int,
     as_json: bool,
@@ -185,7 +185,7 @@ def prove_on(
         beside=model.parent,
         noise=noise,
         force_noise=force_noise,
-        amplitude=amplitude,
+        amplitude=most_amplitude,
         hide=hide,
         runs=runs,
         seed=seed,

@@ -367,7 +367,7 @@ def prove_on(
     noise: float | str | None = None,
     force_noise: float | str | None = None,
     like: Any = (),
-    amplitude: float | str | None = None,
+    most_amplitude: float | str | None = None,
     hide: str | None = None,
     runs: int | None = None,
     seed: int = 0,
@@ -378,7 +378,7 @@ def prove_on(
     Args:
         model: the rig.
         noise, force_noise, like: of the sensors, as ``dashpot.plan`` takes them.
-        amplitude: how far it is moved; None: as far as it was identified.
+        most_amplitude: how far it is moved; None: as far as it was identified.
         hide: a law of the model that the identification is not told of, for the diagnosis to name.
         runs: how often; None: 20, and with ``hide``, of which each takes a minute, 3.
         seed: of the noise.
@@ -390,13 +390,13 @@ def prove_on(
     >>> import dashpot
     >>> from dashpot.examples.truth import TRUTH
     >>> stand = dashpot.Model.from_values({**TRUTH, "mass": None}, name="stand")
-    >>> proof = dashpot.prove_on(stand, noise="5 um", amplitude="5 mm", runs=2)
+    >>> proof = dashpot.prove_on(stand, noise="5 um", most_amplitude="5 mm", runs=2)
     >>> proof.passed, proof.simulated_by
     (True, 'an integrator that shares no code with the engine')
     """
     seen = _seen(like)
     noises = {"noise": noise, "force_noise": force_noise, "like": seen, "beside": _folder_of(model)}
-    how = {"amplitude": amplitude, "hide": hide, "runs": runs, "seed": seed}
+    how = {"amplitude": most_amplitude, "hide": hide, "runs": runs, "seed": seed}
     return proved(oscillator_of(model), **noises, **how, progress=progress or silent)
 
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from types import MappingProxyType
 
 from .. import __version__
 
@@ -38,7 +37,7 @@ class MadeBy:
 
     software: str
     commit: str = ""
-    versions: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+    versions: Mapping[str, str] = field(default_factory=dict)
     command: str = ""
 
     def sentence(self) -> str:
@@ -78,7 +77,7 @@ def _versions() -> Mapping[str, str]:
             found[name] = metadata.version(name)
         except metadata.PackageNotFoundError:  # it came without what pip leaves of a package
             continue
-    return MappingProxyType(found)
+    return found
 
 
 @cache

@@ -6,23 +6,22 @@ cosine), less what of it is a straight line or a cubic over the working range: t
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-from scipy.special import erf
 
 from .base import Base, log_uniform
 
 BENDS = ("atan", "bell", "log-cosh", "asinh", "erf", "cosine")
 MOST = 3
-#: A resistance takes energy: its slope beside the base's own stays above so much of the steepest that it has.
 _FUNCTIONS = (
     np.arctan,
     lambda u: np.exp(-u * u),
     lambda u: np.abs(u) + np.log1p(np.exp(-2 * np.abs(u))),
     np.arcsinh,
-    erf,
+    np.vectorize(math.erf),
     np.cos,
 )
-OVER = ("spring", "resistance", "damping_by_position")
 _GRID = np.linspace(-1.0, 1.0, 401)
 _TRIES = 200
 

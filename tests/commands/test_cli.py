@@ -97,7 +97,7 @@ def test_from_recordings_to_a_proven_fmu(capsys, tmp_path, sweep, decay):
     assert "±" in out
     identified = load(made)
     assert identified.identified.command.startswith("dashpot identify ")
-    assert identified.identified.command.endswith("--figures png")
+    assert identified.identified.command.endswith("--figures png,svg")
     for name, part in (("mass", 0.005), ("omega0", 0.005), ("viscous", 0.005), ("cubic", 0.03), ("preload", 0.05)):
         parameter = identified.parameters()[name]
         assert abs(parameter.value / TRUTH[name] - 1) < part

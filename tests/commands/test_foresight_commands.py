@@ -101,7 +101,7 @@ def test_a_release_has_no_force_to_write(ended, folder):
 
 
 def test_a_proof_on_a_rig_says_who_simulated(ended, folder):
-    how = ("--noise", "20um", "--amplitude", "5mm", "--runs", 2)
+    how = ("--noise", "20um", "--most-amplitude", "5mm", "--runs", 2)
     code, out, _ = ended("prove-on", folder / "rig.yaml", *how)
     assert code == 0
     assert "shares no code with the engine" in out

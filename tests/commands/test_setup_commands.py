@@ -56,7 +56,7 @@ def test_every_command_stands_under_a_heading_of_the_help(capsys):
     grouped = [name for names in GROUPS.values() for name in names]
     assert set(cli.commands) <= set(grouped)
     assert len(grouped) == len(set(grouped))
-    shown = re.findall(r"^  (\w+)  ", out.partition("Begin:")[2], re.MULTILINE)
+    shown = re.findall(r"^  ([\w-]+)  ", out.partition("Begin:")[2], re.MULTILINE)
     assert shown == [name for name in grouped if name in cli.commands]
 
 

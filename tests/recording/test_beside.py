@@ -48,7 +48,7 @@ def test_it_is_read_by_every_way_to_read(folder):
         np.testing.assert_allclose(recording.force, 22.4 * F[250:], rtol=0, atol=1e-6)
         assert (recording.fs, recording.rig) == (pytest.approx(FS), "swing")
         assert any(f"read as {path.parent.name}/dashpot.yaml says: time clock" in note for note in recording.notes)
-    (entry,) = look(path, {})
+    (entry,) = (seen.entry for seen in look(path, {}))
     assert entry["recordings"][0]["columns"] == {"time": "clock", "force": "shaker out", "response": "laser"}
     assert entry["recordings"][0]["samples"] == N - 250
 

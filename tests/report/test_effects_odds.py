@@ -38,6 +38,7 @@ def test_the_first_table_has_size_share_and_probability(with_law, share, words):
         "quadratic-drag", "quadratic-drag", "dissipation", {"coefficient": given}, (), odds=99.0, share=share
     )
     found: Any = SimpleNamespace(model=model, effects=(effect,))
+    found.of_machine = lambda effect: Diagnosis.of_machine(found, effect)
     (table,) = lead_table(found)
     row = dict(zip(table.head, table.rows[0], strict=True))
     assert row["It takes"] == words

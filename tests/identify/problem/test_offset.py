@@ -49,6 +49,6 @@ def test_a_user_reads_of_which_channel_it_is_how_large_and_its_error(channel):
     sentence = FoundOffset(0, channel, 0.25, 0.011).sentence(RUN)
     unit = "N" if channel == "force" else "m"
     assert sentence.startswith("run: ")
-    assert f"0.25 ± 0.011 {unit} " in sentence
+    assert f"0.250 ± 0.011 {unit} " in sentence
     assert ("force sensor" in sentence) is (channel == "force")
     assert ("drifts" in sentence) is (channel == "drift")
