@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from dashpot.diagnose.result import SURE, Effect
+from dashpot.diagnose.result import SURE, Diagnosis, Effect
 from dashpot.report.effects import effect_blocks, lead_table
 
 
