@@ -12,7 +12,7 @@ from ..model.display import pretty_unit, scale_of, value_text
 from ..model.formula.curve import LearntCurve, curve_of, learnt_terms
 from .blocks import Block, Section, Table, Text, picture
 from .chart import Chart
-from .style import AFTER, FREE, MEASURED
+from .style import AFTER, BEFORE, MEASURED
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis
@@ -57,7 +57,7 @@ def learnt_figure(model: Oscillator, curve: LearntCurve, forms: list[ClosedForm]
         panel.band(shown, value - room, value + room, MEASURED, "learnt, with 95 %", alpha=0.35)
         panel.line(shown, value, AFTER, "learnt")
         for form in forms:
-            panel.line(shown, form.at(curve.at) - part * straight, FREE, "closed form", dash="--", width=2.0)
+            panel.line(shown, form.at(curve.at) - part * straight, BEFORE, "closed form", dash="--", width=2.0)
         panel.x.set(label=across.label(over), tight=True)
         panel.y.set(label=f"{what} [{pretty_unit(force)}]")
         panel.title = title
