@@ -81,10 +81,10 @@ def calls(model, tmp_path_factory):
         "plan counts": lambda it: dashpot.plan(model, "absent 1%", noise=1.0, most_amplitude=1.0, tries=it, seed=it),
         "prove_on": lambda it: dashpot.prove_on(it, noise=1e-6),
         "prove_on hide": lambda it: dashpot.prove_on(
-            model, noise=1e-6, amplitude=1e-3, hide="none" if it is None else it
+            model, noise=1e-6, most_amplitude=1e-3, hide="none" if it is None else it
         ),
         "prove_on counts": lambda it: dashpot.prove_on(
-            model, noise=1e-6, amplitude=1e-3, hide="none", runs=it, seed=it
+            model, noise=1e-6, most_amplitude=1e-3, hide="none", runs=it, seed=it
         ),
         "compare": lambda it: dashpot.compare(it, model),
         "compare repeats": lambda it: dashpot.compare(model, model, it),
