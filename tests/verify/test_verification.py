@@ -213,7 +213,8 @@ def test_what_sensors_show_beside_the_motion_is_left_aside_and_said(fmu):
     assert result.passed
     besides = result.recordings[0].besides
     figures = [float(words.split(" by " if "drifts" in words else " shows ")[1].split()[0]) for words in besides]
-    assert figures == pytest.approx([1e-3, 1e-4, 0.5], rel=1e-2)
+    assert figures == pytest.approx([1.0, 0.1, 0.5], rel=1e-2)
+    assert [unit in words for unit, words in zip((" mm", " mm/s", " N"), besides, strict=True)] == [True] * 3
     assert [words in " ".join(said) for words in besides] == [True] * 3
     assert verify(fmu, [record]).recordings[0].besides == ()
 
