@@ -12,16 +12,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ..law import Expression, Law, LawParameter, Motion
+from ..law import Expression, Force, Law, LawParameter, Motion, Stored
 
 #: Intervals of the knots between minus and plus the reach, from coarse to fine.
-FINENESS = (6, 12)
+FINENESS: tuple[int, ...] = (6, 12)
 
 #: The finer one of each.
-_FINER = dict(pairwise(FINENESS))
-
-_SOURCE = "splines by integrals of hats on equal knots (de Boor 1978, chapters 4 and 10)"
-_CAUSE = "how it differs from Eq. 17 is known, its cause is not."
+_FINER: dict[int, int] = dict(pairwise(FINENESS))
 
 
 @dataclass(frozen=True)
@@ -58,19 +55,16 @@ class Curve:
         return total
 
 
-def _heights(count: int, intervals: int, what: str, unit: str) -> tuple[LawParameter, ...]:
+def _heights(curve: Curve, what: str, unit: str) -> tuple[LawParameter, ...]:
+    places = (2.0 * k / curve.intervals - 1.0 for k in range(len(curve.names)))
     return tuple(
-        LawParameter(f"at-{k + 1}", unit, f"{what} at {2.0 * k / intervals - 1.0:+.2f} of the reach", strength=True)
-        for k in range(count)
+        LawParameter(name, unit, f"{what} at {place:+.2f} of the reach", strength=True)
+        for name, place in zip(curve.names, places, strict=True)
     )
 
 
 def _names(count: int) -> list[str]:
     return [f"at-{k + 1}" for k in range(count)]
-
-
-def _listed(count: int) -> str:
-    return f"straight between {', '.join(f'{{{name}}}' for name in _names(count))}"
 
 
 _REACH = LawParameter("reach", "X", "largest displacement of the recordings", 1e-12, probes=(1.0,), scale=True)
@@ -87,20 +81,16 @@ def spring(intervals: int) -> Law:
     def stored(motion: Motion, p: Mapping[str, Expression]) -> Expression:
         return p["reach"] ** 2 * curve.at(motion.x / p["reach"], p, more=1)
 
-    return Law(
-        name=f"free/spring/{intervals}",
-        path="restoring",
-        parameters=(*_heights(intervals, intervals, "change of stiffness over the reach", "1/s2"), _REACH),
+    return _learnt(
+        "free/spring",
+        curve,
+        (*_heights(curve, "change of stiffness over the reach", "1/s2"), _REACH),
         force=force,
         stored=stored,
-        equation=f"f(x); f'' {_listed(intervals)}, over ±{{reach}}",
-        sentence=f"A spring force of any smooth shape, learnt from the motion: {_CAUSE}",
-        phrase="a spring force of a shape that no law of the library has",
-        source=_SOURCE,
+        equation="f(x); f''",
+        what="a spring force of a shape",
         curves="The backbone takes any smooth shape; with a stiffness that differs between the sides the middle of the "
         "motion moves with the amplitude.",
-        learnt=True,
-        finer=_finer("free/spring", intervals),
     )
 
 
@@ -111,18 +101,13 @@ def damping(intervals: int) -> Law:
     def force(motion: Motion, p: Mapping[str, Expression]) -> Expression:
         return p["speed"] * curve.at(motion.v / p["speed"], p)
 
-    return Law(
-        name=f"free/damping/{intervals}",
-        path="dissipation",
-        parameters=(*_heights(intervals + 1, intervals, "change of damping over the reach", "1/s"), _SPEED),
+    return _learnt(
+        "free/damping",
+        curve,
+        (*_heights(curve, "change of damping over the reach", "1/s"), _SPEED),
         force=force,
-        equation=f"g(x'); g'' {_listed(intervals + 1)}, over ±{{speed}}",
-        sentence=f"A resistance of any smooth course over the velocity, learnt from the motion: {_CAUSE}",
-        phrase="a resistance over the velocity that no law of the library has",
-        source=_SOURCE,
-        curves="The damping curve takes any smooth shape; the backbone stays.",
-        learnt=True,
-        finer=_finer("free/damping", intervals),
+        equation="g(x'); g''",
+        what="a resistance over the velocity",
     )
 
 
@@ -133,23 +118,45 @@ def surface(intervals: int) -> Law:
     def force(motion: Motion, p: Mapping[str, Expression]) -> Expression:
         return motion.v * curve.at(motion.x / p["reach"], p)
 
-    return Law(
-        name=f"free/surface/{intervals}",
-        path="dissipation",
-        parameters=(*_heights(intervals + 1, intervals, "slope of the damping", "1/s"), _REACH),
+    return _learnt(
+        "free/surface",
+        curve,
+        (*_heights(curve, "slope of the damping", "1/s"), _REACH),
         force=force,
-        equation=f"c(x) x'; c' {_listed(intervals + 1)}, over ±{{reach}}",
-        sentence=f"A damping of any smooth course over the displacement, learnt from the motion: {_CAUSE}",
-        phrase="a damping over the displacement that no law of the library has",
-        source=_SOURCE,
-        curves="The damping curve takes any smooth shape; the backbone stays.",
-        learnt=True,
-        finer=_finer("free/surface", intervals),
+        equation="c(x) x'; c'",
+        what="a damping over the displacement",
     )
 
 
-def _finer(effect: str, intervals: int) -> str | None:
-    return f"{effect}/{_FINER[intervals]}" if intervals in _FINER else None
+def _learnt(
+    effect: str,
+    curve: Curve,
+    parameters: tuple[LawParameter, ...],
+    *,
+    force: Force,
+    stored: Stored | None = None,
+    equation: str,
+    what: str,
+    curves: str = "The damping curve takes any smooth shape; the backbone stays.",
+) -> Law:
+    """A curve as a law; ``what`` it is in a few words, the last parameter its reach."""
+    finer = _FINER.get(curve.intervals)
+    heights = ", ".join(f"{{{name}}}" for name in curve.names)
+    return Law(
+        name=f"{effect}/{curve.intervals}",
+        path="dissipation" if stored is None else "restoring",
+        parameters=parameters,
+        force=force,
+        stored=stored,
+        equation=f"{equation} straight between {heights}, over ±{{{parameters[-1].name}}}",
+        sentence=f"{what[0].upper()}{what[1:]} that no law of the library has, learnt from the motion: how it differs "
+        "from Eq. 17 is known, its cause is not.",
+        phrase=f"{what} that no law of the library has",
+        source="splines by integrals of hats on equal knots (de Boor 1978, chapters 4 and 10)",
+        curves=curves,
+        learnt=True,
+        finer=None if finer is None else f"{effect}/{finer}",
+    )
 
 
 def heights(values: Mapping[str, float]) -> list[float]:
