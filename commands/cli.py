@@ -25,10 +25,10 @@ from .options import (
     FILE,
     Above,
     added_to_files,
-    fixed_values,
     law_names,
     most_left,
     with_figures,
+    with_known_values,
     with_laws,
     with_mode,
     with_recordings,
@@ -191,14 +191,7 @@ def hilbert(
     shell_complete=law_names,
     help="Law of the library to fit beside Eq. 17; several times.",
 )
-@click.option(
-    "--fix",
-    metavar="NAME=VALUE",
-    multiple=True,
-    callback=fixed_values,
-    help="Parameter that keeps a value, in SI or with a unit (friction=0.15N); several times.",
-)
-@click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
+@with_known_values
 @click.option(
     "--add-mass",
     metavar="FILE=0.5kg",

@@ -10,20 +10,13 @@ import click
 
 from ..face.workflow import read_all
 from ..files.writing import write
-from .options import FILE, Above, fixed_values, with_laws, with_mode, with_recordings
+from .options import FILE, Above, with_known_values, with_laws, with_mode, with_recordings
 from .terminal import outputs_checked, print_json, say
 
 
 @click.command()
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
-@click.option(
-    "--fix",
-    metavar="NAME=VALUE",
-    multiple=True,
-    callback=fixed_values,
-    help="Parameter that keeps a value, in SI or with a unit (friction=0.15N); several times.",
-)
-@click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
+@with_known_values
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @with_mode
 @with_recordings
@@ -45,12 +38,16 @@ def check(
     found = checked(
         lambda: read_all(recordings, options, lambda _: None), fixed=fix, mass=mass, mode=mode, notes=say, progress=say
     )
+    _shown(found, as_json)
+    if not found.follows:
+        sys.exit(1)
+
+
+def _shown(found: Any, as_json: bool) -> None:
     if as_json:
         print_json(found.as_json())
     else:
         click.echo(found)
-    if not found.follows:
-        sys.exit(1)
 
 
 _NOISE = (
@@ -138,10 +135,7 @@ def plan(
     )
     if output is not None:
         write(output, found.csv())
-    if as_json:
-        print_json(found.as_json())
-    else:
-        click.echo(found)
+    _shown(found, as_json)
     if output is not None:
         say(f"written: {output}")
     if not found.passed:
@@ -191,10 +185,7 @@ def prove_on(
         seed=seed,
         progress=say,
     )
-    if as_json:
-        print_json(found.as_json())
-    else:
-        click.echo(found)
+    _shown(found, as_json)
     if not found.passed:
         sys.exit(1)
 

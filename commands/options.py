@@ -238,6 +238,21 @@ def calibrations(texts: tuple[str, ...]) -> dict[str, str]:
     return made
 
 
+def with_known_values(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that give parameters that are known and not to be found."""
+    fix = click.option(
+        "--fix",
+        metavar="NAME=VALUE",
+        multiple=True,
+        callback=fixed_values,
+        help="Parameter that keeps a value, in SI or with a unit (friction=0.15N); several times.",
+    )
+    mass = click.option(
+        "--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known."
+    )
+    return fix(mass(command))
+
+
 def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option that adds laws to the library before the command reads a model."""
     return click.option(
