@@ -58,7 +58,8 @@ check: ## set up, then check style, types and structure
 
 docs: ## set up, then build the site of docs/ into site/, with nothing from the network
 	@sh .ci/setup docs
-	@NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict --quiet
+	@# without --quiet, with which --strict counts no warning
+	@NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict
 	@echo "site/index.html"
 
 proof: ## set up, then the blind proof of the diagnosis (an hour or two; ARGS="--short 8" for a taste); results in proof/

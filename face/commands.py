@@ -50,11 +50,12 @@ def read(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     Raises:
         BadInput: with one sentence for each thing that is wrong.
 
-    >>> import dashpot, numpy
-    >>> t = numpy.arange(2000) / 1000.0
-    >>> decay = 5e-3 * numpy.exp(-2.5 * t) * numpy.cos(79.6 * t)
-    >>> dashpot.read(decay, fs=1000.0)
-    [<Recording 'recording 1': displacement in m, 2000 samples at 1000 Hz, no force>]
+    Examples:
+        >>> import dashpot, numpy
+        >>> t = numpy.arange(2000) / 1000.0
+        >>> decay = 5e-3 * numpy.exp(-2.5 * t) * numpy.cos(79.6 * t)
+        >>> dashpot.read(decay, fs=1000.0)
+        [<Recording 'recording 1': displacement in m, 2000 samples at 1000 Hz, no force>]
     """
     return recordings_of(*given, **options)
 
@@ -65,11 +66,12 @@ def load(path: str | Path) -> Model:
     Raises:
         BadInput: the file cannot be read or is none; one line a problem.
 
-    >>> import dashpot, pathlib, tempfile
-    >>> from dashpot.examples.truth import TRUTH
-    >>> path = dashpot.Model.from_values(TRUTH, name="stand").save(pathlib.Path(tempfile.mkdtemp()) / "stand.yaml")
-    >>> dashpot.load(path).name
-    'stand'
+    Examples:
+        >>> import dashpot, pathlib, tempfile
+        >>> from dashpot.examples.truth import TRUTH
+        >>> path = dashpot.Model.from_values(TRUTH, name="stand").save(pathlib.Path(tempfile.mkdtemp()) / "stand.yaml")
+        >>> dashpot.load(path).name
+        'stand'
     """
     return Model(oscillator_of(path_of(path, "a model file")))
 
@@ -99,8 +101,9 @@ def identify(
         fixed: parameters that keep a value, by name: a number in SI or a text with a unit, {"dry": "0.15 m/s2"}; where
             the mass is known also what the machine has, {"friction": "0.15 N", "stiffness": "1.7 kN/m"}.
         mass: kg, or such as "270 g", where only decays were recorded or it is known.
-        add_mass, add_stiffness: known mass or stiffness that was added to a recording, by its name or file,
-            {"loaded.csv": "0.5 kg"}: beside recordings of the rig as it is, it tells the mass without a force.
+        add_mass: known mass that was added to a recording, by its name or file, {"loaded.csv": "0.5 kg"}: beside
+            recordings of the rig as it is, it tells the mass without a force.
+        add_stiffness: the same of a stiffness, {"loaded.csv": "200 N/m"}.
         start: model to start from, with its laws; or a damper or spring measured by itself (``load_element``), whose
             further laws then keep their values, divided by the mass (but for those that ``laws`` names).
         mode: which of several modes, by its number or its frequency in Hz.
@@ -115,10 +118,11 @@ def identify(
     Raises:
         BadInput: the recordings do not belong together or cannot carry a model; a law or parameter is not known.
 
-    >>> import dashpot
-    >>> model = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15", name="stand")
-    >>> print(f"{model['mass'].value:.3f} kg, {model['natural_frequency'].value:.2f} Hz")
-    0.270 kg, 12.67 Hz
+    Examples:
+        >>> import dashpot
+        >>> model = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15", name="stand")
+        >>> print(f"{model['mass'].value:.3f} kg, {model['natural_frequency'].value:.2f} Hz")
+        0.270 kg, 12.67 Hz
     """
     if name is not None:
         text_of(name, "the name of the rig")
@@ -165,15 +169,16 @@ def identify_element(
     Raises:
         BadInput: nobody says which column was prescribed, or the recordings cannot carry a force law.
 
-    >>> import dashpot, numpy
-    >>> t = numpy.arange(4000) / 1000.0
-    >>> x = 5e-3 * numpy.sin(6 * numpy.pi * t) * numpy.minimum(t, 1.0)
-    >>> v = numpy.gradient(x, t)
-    >>> noise = numpy.random.default_rng(0).normal(size=t.size)
-    >>> data = {"time_s": t, "force_N": 800.0 * v + 12.0 * numpy.sign(v) + 0.2 * noise, "x_m": x}
-    >>> damper = dashpot.identify_element(data, prescribed="x_m", name="damper")
-    >>> print(f"{damper['viscous'].value:.0f} N s/m, {damper['dry'].value:.1f} N")
-    800 N s/m, 12.0 N
+    Examples:
+        >>> import dashpot, numpy
+        >>> t = numpy.arange(4000) / 1000.0
+        >>> x = 5e-3 * numpy.sin(6 * numpy.pi * t) * numpy.minimum(t, 1.0)
+        >>> v = numpy.gradient(x, t)
+        >>> noise = numpy.random.default_rng(0).normal(size=t.size)
+        >>> data = {"time_s": t, "force_N": 800.0 * v + 12.0 * numpy.sign(v) + 0.2 * noise, "x_m": x}
+        >>> damper = dashpot.identify_element(data, prescribed="x_m", name="damper")
+        >>> print(f"{damper['viscous'].value:.0f} N s/m, {damper['dry'].value:.1f} N")
+        800 N s/m, 12.0 N
     """
     from .element import ForceElement, identified_element
 
@@ -188,10 +193,11 @@ def load_element(path: str | Path) -> ForceElement:
     Raises:
         BadInput: the file cannot be read or is none; one line a problem.
 
-    >>> import dashpot
-    >>> dashpot.load_element("absent.yaml")
-    Traceback (most recent call last):
-    dashpot.errors.BadInput: absent.yaml: cannot be read (No such file or directory); check the path
+    Examples:
+        >>> import dashpot
+        >>> dashpot.load_element("absent.yaml")
+        Traceback (most recent call last):
+        dashpot.errors.BadInput: absent.yaml: cannot be read (No such file or directory); check the path
     """
     from .element import load_element as load_it
 
@@ -201,12 +207,13 @@ def load_element(path: str | Path) -> ForceElement:
 def simulate(model: Model | Oscillator | str | Path, *recording: Any, **options: Any) -> Simulation:
     """The response of a model to a recorded force, or to one of your own; see ``Model.simulate``.
 
-    >>> import dashpot, numpy
-    >>> from dashpot.examples.truth import TRUTH
-    >>> force = numpy.sin(2 * numpy.pi * 12.67 * numpy.arange(3000) / 1000.0)
-    >>> response = dashpot.simulate(dashpot.Model.from_values(TRUTH), force=force, fs=1000.0).response
-    >>> f"{abs(response).max():.4f} m"
-    '0.0092 m'
+    Examples:
+        >>> import dashpot, numpy
+        >>> from dashpot.examples.truth import TRUTH
+        >>> force = numpy.sin(2 * numpy.pi * 12.67 * numpy.arange(3000) / 1000.0)
+        >>> response = dashpot.simulate(dashpot.Model.from_values(TRUTH), force=force, fs=1000.0).response
+        >>> f"{abs(response).max():.4f} m"
+        '0.0092 m'
     """
     return Model(oscillator_of(model)).simulate(*recording, **options)
 
@@ -216,11 +223,12 @@ def linearise(
 ) -> LinearModel:
     """A, B, C, D of the linear model about a motion or a point; see ``Model.linearise``.
 
-    >>> import dashpot
-    >>> from dashpot.examples.truth import TRUTH
-    >>> linear = dashpot.linearise(dashpot.Model.from_values(TRUTH), amplitude=1e-3)
-    >>> linear.discrete(1e-3)[0].shape
-    (2, 2)
+    Examples:
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> linear = dashpot.linearise(dashpot.Model.from_values(TRUTH), amplitude=1e-3)
+        >>> linear.discrete(1e-3)[0].shape
+        (2, 2)
     """
     return Model(oscillator_of(model)).linearise(amplitude, **about)
 
@@ -228,11 +236,12 @@ def linearise(
 def export(model: Model | Oscillator | str | Path, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
     """Write a model as .fmu, .casadi, .c, .py, .m, .mo or .ssp, by the suffix; returns all files. See ``Model.export``.
 
-    >>> import dashpot, pathlib, tempfile
-    >>> from dashpot.examples.truth import TRUTH
-    >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> len(dashpot.export(dashpot.Model.from_values(TRUTH), folder / "rig.casadi"))
-    8
+    Examples:
+        >>> import dashpot, pathlib, tempfile
+        >>> from dashpot.examples.truth import TRUTH
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> len(dashpot.export(dashpot.Model.from_values(TRUTH), folder / "rig.casadi"))
+        8
     """
     return Model(oscillator_of(model)).export(*paths, **options)
 
@@ -253,13 +262,14 @@ def verify(
     Raises:
         BadInput: the file is no such FMU, it cannot simulate, or no recording fits it.
 
-    >>> import dashpot, pathlib, tempfile
-    >>> decay = dashpot.read(dashpot.examples.recordings()["bursts"], part="1.6:3.4", force="none")
-    >>> from dashpot.examples.truth import TRUTH
-    >>> fmu = pathlib.Path(tempfile.mkdtemp()) / "rig.fmu"
-    >>> _ = dashpot.export(dashpot.Model.from_values(TRUTH), fmu)
-    >>> dashpot.verify(fmu, decay).recordings[0].file
-    'bursts.csv.gz'
+    Examples:
+        >>> import dashpot, pathlib, tempfile
+        >>> decay = dashpot.read(dashpot.examples.recordings()["bursts"], part="1.6:3.4", force="none")
+        >>> from dashpot.examples.truth import TRUTH
+        >>> fmu = pathlib.Path(tempfile.mkdtemp()) / "rig.fmu"
+        >>> _ = dashpot.export(dashpot.Model.from_values(TRUTH), fmu)
+        >>> dashpot.verify(fmu, decay).recordings[0].file
+        'bursts.csv.gz'
     """
     from ..prescribed.verified import verify as check
 
@@ -294,11 +304,12 @@ def diagnose(
     Raises:
         BadInput: the recordings are not of this rig, or cannot carry a diagnosis.
 
-    >>> import dashpot
-    >>> from dashpot.examples.truth import TRUTH
-    >>> dashpot.diagnose(dashpot.Model.from_values(TRUTH))
-    Traceback (most recent call last):
-    dashpot.errors.BadInput: no recording was given; name at least one file with a decay or a driven response
+    Examples:
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> dashpot.diagnose(dashpot.Model.from_values(TRUTH))
+        Traceback (most recent call last):
+        dashpot.errors.BadInput: no recording was given; name at least one file with a decay or a driven response
     """
     how = {"holdout": holdout, "mode": mode, "progress": progress, "seconds": seconds}
     return Model(oscillator_of(model)).diagnose(*given, **how, **options)
@@ -316,10 +327,11 @@ def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Read
     Raises:
         BadInput: none of them holds a decay or a driven stretch that can be evaluated.
 
-    >>> import dashpot
-    >>> analysis = dashpot.hilbert(dashpot.examples.recordings()["bursts"], part="0:15")
-    >>> round(analysis.freevib.values["omega0"], 1)
-    79.6
+    Examples:
+        >>> import dashpot
+        >>> analysis = dashpot.hilbert(dashpot.examples.recordings()["bursts"], part="0:15")
+        >>> round(analysis.freevib.values["omega0"], 1)
+        79.6
     """
     from .hilbert import Hilbert
 
@@ -344,10 +356,11 @@ def look(*given: Any, **options: Unpack[Reading]) -> Look:
     Raises:
         BadInput: a file is not there, or something is no recording.
 
-    >>> import dashpot
-    >>> (record,) = dashpot.look(dashpot.examples.recordings()["bursts"])
-    >>> record["recordings"][0]["motion"]
-    'bursts'
+    Examples:
+        >>> import dashpot
+        >>> (record,) = dashpot.look(dashpot.examples.recordings()["bursts"])
+        >>> record["recordings"][0]["motion"]
+        'bursts'
     """
     from .looked import looked_at
 
@@ -360,10 +373,11 @@ def load_laws(path: str | Path) -> tuple[Law, ...]:
     Raises:
         BadInput: the file cannot be run, or a law in it lacks something.
 
-    >>> import dashpot
-    >>> dashpot.load_laws("absent.py")
-    Traceback (most recent call last):
-    dashpot.errors.BadInput: absent.py: cannot be read (No such file or directory); check the path
+    Examples:
+        >>> import dashpot
+        >>> dashpot.load_laws("absent.py")
+        Traceback (most recent call last):
+        dashpot.errors.BadInput: absent.py: cannot be read (No such file or directory); check the path
     """
     from ..model.user_laws import load_law_file
 
@@ -387,10 +401,11 @@ def paper(folder: str | Path = "paper", progress: Say | None = None) -> Path:
 def doctor() -> Checkup:
     """What of all that dashpot can use is there: compiler, platforms, extras, cache.
 
-    >>> import dashpot
-    >>> checkup = dashpot.doctor()
-    >>> checkup.python.startswith("3.")
-    True
+    Examples:
+        >>> import dashpot
+        >>> checkup = dashpot.doctor()
+        >>> checkup.python.startswith("3.")
+        True
     """
     from .doctor import checkup
 

@@ -37,13 +37,14 @@ def batch(
     Raises:
         BadInput: the manifest is none, one line a problem; the folder holds something else.
 
-    >>> import dashpot, pathlib, tempfile
-    >>> folder = pathlib.Path(tempfile.mkdtemp())
-    >>> _ = (folder / "fleet.yaml").write_text("rigs: {}")
-    >>> dashpot.batch(folder / "fleet.yaml", folder / "results")
-    Traceback (most recent call last):
-    ...
-    dashpot.errors.BadInput: ...
+    Examples:
+        >>> import dashpot, pathlib, tempfile
+        >>> folder = pathlib.Path(tempfile.mkdtemp())
+        >>> _ = (folder / "fleet.yaml").write_text("rigs: {}")
+        >>> dashpot.batch(folder / "fleet.yaml", folder / "results")
+        Traceback (most recent call last):
+        ...
+        dashpot.errors.BadInput: ...
     """
     from ..fleet.engine import local
     from ..fleet.manifest import read_manifest
@@ -64,16 +65,18 @@ def compare(
     """What changed from one model to another: the fewest parameters that explain it, and which law appeared.
 
     Args:
-        first, second: models with the errors of their parameters, or their files.
+        first: model with the errors of its parameters, or its file.
+        second: the model to compare with it.
         repeats: groups of models, each of one unchanged rig, from which it is learnt how far repeats lie apart.
 
     Raises:
         BadInput: the models have other units, no errors, or no parameter in common.
 
-    >>> import dashpot
-    >>> stand = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15")
-    >>> dashpot.compare(stand, stand).changed
-    False
+    Examples:
+        >>> import dashpot
+        >>> stand = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15")
+        >>> dashpot.compare(stand, stand).changed
+        False
     """
     from ..change import compare as changed
 
@@ -95,10 +98,11 @@ def watch(
     Raises:
         BadInput: there are fewer than two models, or they cannot be compared.
 
-    >>> import dashpot
-    >>> stand = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15")
-    >>> dashpot.watch([stand, stand, stand]).changed
-    False
+    Examples:
+        >>> import dashpot
+        >>> stand = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15")
+        >>> dashpot.watch([stand, stand, stand]).changed
+        False
     """
     from ..change.life import Point
     from ..change.life import watch as watched

@@ -298,10 +298,11 @@ def check(
     Raises:
         BadInput: the recordings do not belong together or cannot carry a model.
 
-    >>> import dashpot
-    >>> told = dashpot.check(dashpot.examples.recordings()["bursts"], part="0:15")
-    >>> told["cubic"].state, f"{100 * told['cubic'].std / told['cubic'].value:.1f} %"
-    ('told', '0.1 %')
+    Examples:
+        >>> import dashpot
+        >>> told = dashpot.check(dashpot.examples.recordings()["bursts"], part="0:15")
+        >>> told["cubic"].state, f"{100 * told['cubic'].std / told['cubic'].value:.1f} %"
+        ('told', '0.1 %')
     """
     say = progress or silent
     how = {"fixed": fixed, "mass": mass, "mode": mode_text(mode)}
@@ -346,12 +347,13 @@ def plan(
     Raises:
         BadInput: what is wanted is no quantity of the model, or noise or amplitude are not known.
 
-    >>> import dashpot
-    >>> from dashpot.examples.truth import TRUTH
-    >>> stand = dashpot.Model.from_values(TRUTH, name="stand")
-    >>> found = dashpot.plan(stand, "cubic 5%", noise="1 um", most_amplitude="5 mm", tests="decay", tries=0)
-    >>> found.excitation.kind, found.tells
-    ('decay', True)
+    Examples:
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> stand = dashpot.Model.from_values(TRUTH, name="stand")
+        >>> found = dashpot.plan(stand, "cubic 5%", noise="1 um", most_amplitude="5 mm", tests="decay", tries=0)
+        >>> found.excitation.kind, found.tells
+        ('decay', True)
     """
     how = {"most_amplitude": most_amplitude, "most_force": most_force, "most_seconds": most_seconds, "tests": tests}
     seen = _seen(like)
@@ -387,12 +389,13 @@ def prove_on(
     Raises:
         BadInput: noise or amplitude are not known, or the law is not in the model.
 
-    >>> import dashpot
-    >>> from dashpot.examples.truth import TRUTH
-    >>> stand = dashpot.Model.from_values({**TRUTH, "mass": None}, name="stand")
-    >>> proof = dashpot.prove_on(stand, noise="5 um", most_amplitude="5 mm", runs=2)
-    >>> proof.passed, proof.simulated_by
-    (True, 'an integrator that shares no code with the engine')
+    Examples:
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> stand = dashpot.Model.from_values({**TRUTH, "mass": None}, name="stand")
+        >>> proof = dashpot.prove_on(stand, noise="5 um", most_amplitude="5 mm", runs=2)
+        >>> proof.passed, proof.simulated_by
+        (True, 'an integrator that shares no code with the engine')
     """
     seen = _seen(like)
     noises = {"noise": noise, "force_noise": force_noise, "like": seen, "beside": _folder_of(model)}

@@ -42,11 +42,12 @@ class Model:
         oscillator: parameters, laws, validity and provenance: what the model file holds.
         identification: how it was found, with the fit and its recordings; None where it was loaded or made of numbers.
 
-    >>> import dashpot
-    >>> from dashpot.examples.truth import TRUTH
-    >>> model = dashpot.Model.from_values(TRUTH, name="stand")
-    >>> print(model["mass"], "|", model.machine["friction"])
-    0.27 kg | 0.00405 N
+    Examples:
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> model = dashpot.Model.from_values(TRUTH, name="stand")
+        >>> print(model["mass"], "|", model.machine["friction"])
+        0.27 kg | 0.00405 N
     """
 
     oscillator: Oscillator
@@ -80,10 +81,11 @@ class Model:
         Raises:
             BadInput: a parameter is missing, not known, or one that no model file may hold: a mass of zero, a NaN.
 
-        >>> import dashpot
-        >>> rig = {"mass": 1.0, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}
-        >>> dashpot.Model.from_values(rig | {"quadratic-drag.coefficient": 2.0}, laws=["quadratic-drag"]).laws
-        ('quadratic-drag',)
+        Examples:
+            >>> import dashpot
+            >>> rig = {"mass": 1.0, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}
+            >>> dashpot.Model.from_values(rig | {"quadratic-drag.coefficient": 2.0}, laws=["quadratic-drag"]).laws
+            ('quadratic-drag',)
         """
         if text_of(quantity, "quantity") not in QUANTITIES:
             raise BadInput(f"quantity {quantity[:40]!r} is not known; use one of {', '.join(QUANTITIES)}")
@@ -185,11 +187,12 @@ class Model:
         Raises:
             BadInput: there is more or less than one recording, or it is not of this rig.
 
-        >>> import dashpot
-        >>> from dashpot.examples.truth import TRUTH
-        >>> free = dashpot.Model.from_values(TRUTH).simulate(initial=(5e-3, 0.0), seconds=1.0, fs=1000.0)
-        >>> free.response.shape, bool(abs(free.response[-100:]).max() < 1e-3)
-        ((1000,), True)
+        Examples:
+            >>> import dashpot
+            >>> from dashpot.examples.truth import TRUTH
+            >>> free = dashpot.Model.from_values(TRUTH).simulate(initial=(5e-3, 0.0), seconds=1.0, fs=1000.0)
+            >>> free.response.shape, bool(abs(free.response[-100:]).max() < 1e-3)
+            ((1000,), True)
         """
         from .simulation import simulated
 
@@ -202,11 +205,12 @@ class Model:
         Args:
             amplitude: of the displacement (n,), in its unit; left out, over what the recordings covered.
 
-        >>> import dashpot
-        >>> from dashpot.examples.truth import TRUTH
-        >>> curve = dashpot.Model.from_values(TRUTH).backbone([1e-3, 5e-3])
-        >>> [round(float(f), 2) for f in curve.frequency]
-        [12.76, 12.7]
+        Examples:
+            >>> import dashpot
+            >>> from dashpot.examples.truth import TRUTH
+            >>> curve = dashpot.Model.from_values(TRUTH).backbone([1e-3, 5e-3])
+            >>> [round(float(f), 2) for f in curve.frequency]
+            [12.76, 12.7]
         """
         from .backbone import backbone_of
 
@@ -218,10 +222,11 @@ class Model:
 
         ``poles``, ``discrete(step)``, ``to_scipy()`` and ``to_control()`` go on from there.
 
-        >>> import dashpot
-        >>> from dashpot.examples.truth import TRUTH
-        >>> dashpot.Model.from_values(TRUTH).linearise(amplitude=1e-3).A.shape
-        (2, 2)
+        Examples:
+            >>> import dashpot
+            >>> from dashpot.examples.truth import TRUTH
+            >>> dashpot.Model.from_values(TRUTH).linearise(amplitude=1e-3).A.shape
+            (2, 2)
         """
         from ..model.linear import linearise
 
@@ -274,12 +279,13 @@ class Model:
     def export(self, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
         """Write .fmu, .casadi, .c, .py, .m, .mo or .ssp files; ``options`` are those of ``dashpot.export.export``.
 
-        >>> import dashpot, pathlib, tempfile
-        >>> from dashpot.examples.truth import TRUTH
-        >>> model = dashpot.Model.from_values(TRUTH)
-        >>> written = model.export(pathlib.Path(tempfile.mkdtemp()) / "rig.c")
-        >>> [path.name for path in written]
-        ['rig.c', 'rig.h']
+        Examples:
+            >>> import dashpot, pathlib, tempfile
+            >>> from dashpot.examples.truth import TRUTH
+            >>> model = dashpot.Model.from_values(TRUTH)
+            >>> written = model.export(pathlib.Path(tempfile.mkdtemp()) / "rig.c")
+            >>> [path.name for path in written]
+            ['rig.c', 'rig.h']
         """
         return exported(self.oscillator, [path_of(path, "a file to export to") for path in paths], **options)
 

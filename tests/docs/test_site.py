@@ -113,4 +113,4 @@ def test_the_site_builds_without_a_warning_and_fetches_nothing(tmp_path):
         assert fetched == [], page
         assert "\\(" not in re.sub(r"<(code|pre|script).*?</\1>", "", text, flags=re.DOTALL), page
     assert "__index" in (site / "search" / "search_index.js").read_text("utf-8")[:40]
-    assert sum(path.stat().st_size for path in site.rglob("*") if path.is_file()) < 12e6
+    assert sum(path.stat().st_size for path in site.rglob("*") if path.is_file()) < 16e6
