@@ -24,7 +24,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
         "dashpot identify decay.csv -o rig.yaml --mass 0.27 --unit mm --part 2:30",
         "dashpot identify sweep.csv.gz -o drag.yaml --with quadratic-drag --fix preload=0",
     ),
-    "linearise": ("dashpot linearise rig.yaml --amplitude 1e-3 --step 1e-3",),
+    "linearise": ("dashpot linearise rig.yaml --amplitude 1mm --step 1e-3",),
     "look": ("dashpot look runs.mat more.csv --page look.html", "dashpot look runs.mat#run3 --force '*shaker*'"),
     "paper": ("dashpot paper -o paper",),
     "plan": (

@@ -152,16 +152,16 @@ def export(
 
 @click.command()
 @click.argument("model", type=FILE)
-@click.option("--amplitude", type=float, metavar="A", help="Of the motion to linearise about, in the model's unit.")
 @click.option(
-    "--frequency", type=float, metavar="HZ", help="Of that motion; default: the natural frequency at this amplitude."
+    "--amplitude", metavar="A", help="Of the motion to linearise about: 1mm, or a number in the model's unit."
 )
-@click.option("--displacement", type=float, metavar="X", help="Of a point to linearise about; its force is found.")
-@click.option("--force", type=float, metavar="F", help="That holds a point; its displacement is found.")
+@click.option("--frequency", metavar="HZ", help="Of that motion; default: the natural frequency at this amplitude.")
+@click.option("--displacement", metavar="X", help="Of a point to linearise about, as 2mm; its force is found.")
+@click.option("--force", metavar="F", help="That holds a point, as 3N; its displacement is found.")
 @click.option("--step", type=float, metavar="S", help="Sample time; adds the discrete A and B, the force held.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @with_laws
-def linearise(model: Path, step: float | None, as_json: bool, **about: float | None) -> None:
+def linearise(model: Path, step: float | None, as_json: bool, **about: str | None) -> None:
     """A, B, C, D of the linear model about a motion (--amplitude) or about a point, the middle by default."""
     from ..model.file import load
     from ..model.linear import as_json as linear_json

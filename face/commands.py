@@ -219,7 +219,7 @@ def simulate(model: Model | Oscillator | str | Path, *recording: Any, **options:
 
 
 def linearise(
-    model: Model | Oscillator | str | Path, amplitude: float | None = None, **about: float | None
+    model: Model | Oscillator | str | Path, amplitude: float | str | None = None, **about: float | str | None
 ) -> LinearModel:
     """A, B, C, D of the linear model about a motion or a point; see ``Model.linearise``.
 

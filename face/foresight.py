@@ -115,16 +115,9 @@ def _of_model(model: Oscillator, folder: Path) -> list[Recording]:
 
 def size(given: float | str, unit: str, what: str) -> float:
     """A number in ``unit``, as such or as a text with a unit of its own; raises BadInput for another."""
-    from ..model.quantity import converted, said
+    from ..model.quantity import in_unit
 
-    if not isinstance(given, str):
-        number = number_of(given, what)
-    else:
-        number, own = said(given, what)
-        found = number if not own else converted(number, own, unit, what)
-        if found is None:
-            raise BadInput(f"{what} is {given!r}, and {own} is no unit of it; give it in {unit}")
-        number = found
+    number = in_unit(given, unit, what)
     if not (math.isfinite(number) and number >= 0):
         raise BadInput(f"{what} is {given!r}; give a number that is not below zero")
     return number

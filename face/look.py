@@ -149,14 +149,15 @@ def facts(recording: Recording) -> dict[str, Any]:
     from ..identify.motion.decays import find_free_motion
     from ..identify.motion.excitation import kind_of
     from ..identify.motion.mode_lines import modes_of
+    from ..recording.as_recorded import of_force, of_response
 
     imposed = recording.prescribed
     free = None if imposed else find_free_motion(recording)
     pieces, left = ([], []) if free is None else _pieces(recording, free)
-    signals = [("prescribed" if imposed else "response", recording.response, recording.unit)]
+    signals = [("prescribed" if imposed else "response", recording.response, recording.unit, of_response(recording))]
     if recording.force is not None:
-        signals.append(("force", recording.force, recording.force_unit))
-    signals += [(channel.name, channel.over(recording.n), channel.unit) for channel in recording.channels]
+        signals.append(("force", recording.force, recording.force_unit, of_force(recording)))
+    signals += [(c.name, c.over(recording.n), c.unit, (1.0, c.unit)) for c in recording.channels]
     return {
         "motion": "prescribed" if free is None else kind_of(recording, free.decays),
         "quantity": recording.quantity,
@@ -166,8 +167,9 @@ def facts(recording: Recording) -> dict[str, Any]:
         "start": recording.start,
         "signals": [
             {"role": role, "unit": unit, "min": float(signal.min()), "max": float(signal.max()), "rms": _rms(signal)}
+            | {"range": _range(signal, *recorded)}
             | {"picture": sparkline(signal) if np.ptp(signal) > 0 else "the same throughout"}
-            for role, signal, unit in signals
+            for role, signal, unit, recorded in signals
         ],
         "pieces": pieces,
         "left": left,
@@ -204,6 +206,16 @@ def _pieces(recording: Recording, free: FreeMotion) -> tuple[list[dict[str, Any]
         {"kind": piece.kind, "start": piece.start / fs, "stop": piece.stop / fs}
         for piece in sorted(taken, key=lambda piece: piece.start)
     ], [{"start": start / fs, "stop": stop / fs, "why": why} for start, stop, why in left]
+
+
+def _range(signal: np.ndarray, factor: float, unit: str) -> str:
+    """From where to where a signal (n,) goes, in the recorded unit; with a prefix where that is one of SI."""
+    from ..model.display import Scale, scale_of
+
+    ends = signal.min(), signal.max()
+    scale = scale_of(unit, np.array(ends)) if factor == 1.0 else Scale(factor, unit)
+    low, high = (f"{scale.factor * end:.4g}" for end in ends)
+    return f"{low} to {high} {scale.unit}"
 
 
 def _rms(signal: np.ndarray) -> float:
@@ -249,7 +261,7 @@ def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
         lines.append(f"  mode {number}     {Mode.of_json(mode)}")
     for signal in recording["signals"]:
         lines.append(f"  {signal['role']:<10} {signal['picture']}")
-        lines.append(f"             {signal['min']:.4g} to {signal['max']:.4g} {signal['unit']}")
+        lines.append(f"             {signal['range']}")
     lines += [] if recording["motion"] == "prescribed" else _taken(recording)
     return [*lines, *(f"  note       {note}" for note in recording["notes"])]
 

@@ -217,7 +217,7 @@ class Model:
         return backbone_of(self.oscillator, self.identification, amplitude)
 
     @speaks_python
-    def linearise(self, amplitude: float | None = None, **about: float | None) -> LinearModel:
+    def linearise(self, amplitude: float | str | None = None, **about: float | str | None) -> LinearModel:
         """A, B, C, D about a motion (``amplitude``, ``frequency``) or a point (``displacement``, ``force``).
 
         ``poles``, ``discrete(step)``, ``to_scipy()`` and ``to_control()`` go on from there.

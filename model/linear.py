@@ -18,8 +18,10 @@ import numpy as np
 from ..errors import BadInput
 from ..files.arguments import number_of
 from . import units
+from .as_recorded import as_recorded
 from .describing import HarmonicMotion
 from .equations import Equations, SurfaceKind, equations
+from .quantity import in_unit
 
 if TYPE_CHECKING:
     from .oscillator import Oscillator
@@ -103,12 +105,14 @@ class LinearModel:
 def linearise(
     oscillator: Oscillator,
     *,
-    amplitude: float | None = None,
-    frequency: float | None = None,
-    displacement: float | None = None,
-    force: float | None = None,
+    amplitude: float | str | None = None,
+    frequency: float | str | None = None,
+    displacement: float | str | None = None,
+    force: float | str | None = None,
 ) -> LinearModel:
     """The linear model about a motion (``amplitude``) or about a point, whose trim is found by itself.
+
+    Each is a number, or a text with a unit of its own such as "1 mm".
 
     Args:
         oscillator: the model.
@@ -121,9 +125,24 @@ def linearise(
         BadInput: for a motion and a point at once, an amplitude or frequency that is not above zero, a motion that does
             not exist, or a point that no force holds.
     """
-    given = {"amplitude": amplitude, "frequency": frequency, "displacement": displacement, "force": force}
-    about = {name: None if value is None else number_of(value, name) for name, value in given.items()}
-    amplitude, frequency, displacement, force = about.values()
+    about = {"amplitude": amplitude, "frequency": frequency, "displacement": displacement, "force": force}
+    found = [None if value is None else _in_unit_of(oscillator, value, name) for name, value in about.items()]
+    return _linear(oscillator, *found)
+
+
+def _in_unit_of(oscillator: Oscillator, given: float | str, name: str) -> float:
+    """A length, a frequency or a force in the model's unit."""
+    unit = {"frequency": "Hz", "force": _input_unit(oscillator)}.get(name, oscillator.response.displacement_unit)
+    return in_unit(given, unit, name)
+
+
+def _linear(
+    oscillator: Oscillator,
+    amplitude: float | None,
+    frequency: float | None,
+    displacement: float | None,
+    force: float | None,
+) -> LinearModel:
     oscillator = _without_disturbances(oscillator)
     point = displacement is not None or force is not None
     if amplitude is None and frequency is not None:
@@ -152,18 +171,29 @@ def _without_disturbances(oscillator: Oscillator) -> Oscillator:
     return replace(oscillator, terms=tuple(term for term in oscillator.terms if term.effect not in free))
 
 
+def _input_unit(o: Oscillator) -> str:
+    """Unit of the force, or of the force per unit mass where the mass is not known."""
+    return o.force_unit if o.mass is not None else units.compose("X/s2", o.response.displacement_unit)
+
+
+def _length(oscillator: Oscillator, value: float, digits: int = 4) -> str:
+    """A displacement as its recordings had it, in words."""
+    shown, unit = as_recorded(oscillator, value, oscillator.response.displacement_unit)
+    return f"{shown:.{digits}g} {unit}"
+
+
 def _about_motion(oscillator: Oscillator, amplitude: float, frequency: float | None) -> LinearModel:
     motion = HarmonicMotion(oscillator)
-    unit = oscillator.response.displacement_unit
+    size = _length(oscillator, amplitude, 6)
     omega = motion.natural(amplitude)[0] if frequency is None else np.array([2 * math.pi * frequency])
     if not np.all(np.isfinite(omega)):
         raise BadInput(
-            f"at an amplitude of {amplitude:g} {unit} the spring holds no motion of its own; choose another amplitude, "
+            f"at an amplitude of {size} the spring holds no motion of its own; choose another amplitude, "
             "or give the frequency of the motion"
         )
     k, d = motion(amplitude, omega)
     if not (np.isfinite(k[0]) and np.isfinite(d[0])):
-        raise BadInput(f"no periodic motion of {amplitude:g} {unit} is found at this frequency; choose another")
+        raise BadInput(f"no periodic motion of {size} is found at this frequency; choose another")
     # what is neither spring nor damper stays: the actuator before the mass and the sensor behind it
     paths = tuple(term for term in oscillator.terms if not term.law.force)
     zeros = {name: replace(getattr(oscillator, name), value=0.0) for name in _FORCES}
@@ -173,7 +203,7 @@ def _about_motion(oscillator: Oscillator, amplitude: float, frequency: float | N
     notes = (f"{effects}: by the tangent at rest, whatever the amplitude",) if paths else ()
     covered = oscillator.amplitude
     if covered is not None and not covered.min <= amplitude <= covered.max:
-        stated = f"{covered.min:.4g} to {covered.max:.4g} {covered.unit}"
+        stated = f"{_length(oscillator, covered.min)} to {_length(oscillator, covered.max)}"
         notes += (f"the amplitude is outside what the model was identified in, {stated}",)
     return replace(plain, amplitude=float(amplitude), omega=float(omega[0]), notes=notes)
 
@@ -228,10 +258,8 @@ class _Point:
         mass = 1.0 if self.oscillator.mass is None else self.oscillator.mass.value
         size = _root(lambda w: push * self._settled(x, push * w)[1], abs(rest), 0.5 * mass * abs(rest))
         if size is None:
-            unit = self.oscillator.response.displacement_unit
-            raise BadInput(
-                f"no force is found that holds the displacement {x:g} {unit}; choose one nearer to the middle"
-            )
+            where = _length(self.oscillator, x, 6)
+            raise BadInput(f"no force is found that holds the displacement {where}; choose one nearer to the middle")
         return self._settled(x, push * size)[0], push * size
 
     def held_by(self, force: float) -> tuple[np.ndarray, float]:
@@ -240,15 +268,9 @@ class _Point:
         way = math.copysign(1.0, rest)
         size = _root(lambda w: -way * self._settled(way * w, force)[1], abs(rest), _NEAREST)
         if size is None:
-            raise BadInput(f"the spring holds no force of {force:g} {self.input_unit}; give a smaller one")
+            raise BadInput(f"the spring holds no force of {force:g} {_input_unit(self.oscillator)}; give a smaller one")
         seated = size <= 1e-9 * _NEAREST  # a preloaded spring
         return self._settled(0.0 if seated else way * size, force)[0], force
-
-    @property
-    def input_unit(self) -> str:
-        """Unit of the force, or of the force per unit mass where the mass is not known."""
-        o = self.oscillator
-        return o.force_unit if o.mass is not None else units.compose("X/s2", o.response.displacement_unit)
 
     def linear(self, z: np.ndarray, u: float, *, spring: float = 0.0, damper: float = 0.0) -> LinearModel:
         """Tangents at a point, with a further spring and damper per unit mass."""
@@ -267,7 +289,7 @@ class _Point:
             output_names=eq.output_names,
             state_units=(length, speed, *inner),
             output_units=(o.response.unit, length, speed, acceleration),
-            input_unit=self.input_unit,
+            input_unit=_input_unit(o),
             notes=tuple(notes),
         )
 

@@ -7,6 +7,7 @@ import re
 from collections import Counter
 
 from ..errors import BadInput
+from ..files.arguments import number_of
 from . import units
 
 _SAID = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
@@ -37,6 +38,17 @@ def plain(given: float | str, what: str) -> float:
         return float(given)
     number, unit = said(given, what)
     return number * (in_base_units(unit, what)[0] if unit else 1.0)
+
+
+def in_unit(given: float | str, unit: str, what: str) -> float:
+    """A number in ``unit``, as such or as a text with a unit of its own; raises BadInput for another."""
+    if not isinstance(given, str):
+        return number_of(given, what)
+    number, own = said(given, what)
+    found = converted(number, own, unit, what) if own else number
+    if found is None:
+        raise BadInput(f"{what} is {given!r}, and {own} is no unit of it; give it in {unit}")
+    return found
 
 
 def in_base_units(unit: str, what: str) -> tuple[float, dict[str, int]]:

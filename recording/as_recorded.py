@@ -2,8 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
 from .recording import Recording
 from .units import find_unit
+
+#: By how much a value in it is more than in SI, and its text.
+InUnit = tuple[float, str]
+#: Values (n,) in SI, what they are, and one of them in words.
+Signal = tuple[np.ndarray, str, Callable[..., str]]
 
 
 def scale_of_unit(unit: str, recorded: str) -> tuple[float, str]:
@@ -20,3 +30,17 @@ def of_response(recording: Recording) -> tuple[float, str]:
 def of_force(recording: Recording) -> tuple[float, str]:
     """The same of the force."""
     return scale_of_unit(recording.force_unit, recording.recorded_force_unit)
+
+
+def said_of(recording: Recording, value: float, digits: int = 4, *, force: bool = False) -> str:
+    """``0.365 mm``: a value of the response, or of the force, given in SI, in words."""
+    factor, unit = of_force(recording) if force else of_response(recording)
+    return f"{factor * value:.{digits}g} {unit}"
+
+
+def signals_of(recording: Recording) -> list[Signal]:
+    """The response, and the force where there is one."""
+    signals: list[Signal] = [(recording.response, "response", partial(said_of, recording))]
+    if recording.force is not None:
+        signals.append((recording.force, "force", partial(said_of, recording, force=True)))
+    return signals

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 
+from .as_recorded import said_of, signals_of
 from .clipping import Clipping, clipping, measured, noise_of
 from .continuity import folded, in_both, leaps, noise_beside, repeated, wrapped
 from .oscillation import Oscillation, is_one_decay, is_white, oscillation_of
@@ -66,7 +67,7 @@ def too_few(recording: Recording) -> list[Problem]:
 def not_a_number(recording: Recording) -> list[Problem]:
     """Find NaN and infinity in the response and the force."""
     problems = []
-    for signal, name, _ in _signals(recording):
+    for signal, name, _ in signals_of(recording):
         bad = np.flatnonzero(~np.isfinite(signal))
         if len(bad):
             at = recording.start + bad[0] / recording.fs
@@ -83,10 +84,10 @@ def not_a_number(recording: Recording) -> list[Problem]:
 def out_of_range(recording: Recording) -> list[Problem]:
     """Find values that no sensor gives."""
     problems = []
-    for signal, name, unit in _signals(recording):
+    for signal, name, said in signals_of(recording):
         if (found := impossible(signal)) is not None:
             at = recording.start + found[0] / recording.fs
-            sentence = f"the {name} is {signal[found[0]]:.3g} {unit} at {at:.6g} s, {found[1]}"
+            sentence = f"the {name} is {said(signal[found[0]], 3)} at {at:.6g} s, {found[1]}"
             problems.append(_error(recording, f"{sentence}; mend or cut out that sample"))
     return problems
 
@@ -96,8 +97,9 @@ def constant(recording: Recording) -> list[Problem]:
     if np.ptp(response := recording.response) > 1e-12 * np.max(np.abs(response)):
         return []
     what, option = ("motion", "prescribed") if recording.prescribed else ("response", "response")
-    said = f"the {what} is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another column"
-    return [_error(recording, f"{said} with --{option}", mute=True)]
+    size = said_of(recording, response[0])
+    sentence = f"the {what} is {size} throughout; check the sensor, or name another column with --{option}"
+    return [_error(recording, sentence, mute=True)]
 
 
 def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
@@ -110,7 +112,7 @@ def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
     first, at = found[0], recording.start + found[0].first / recording.fs
     there_and_back = first.back and 0 < first.first < recording.n - 2
     what = (
-        f"the response jumps by {first.size:.3g} {recording.unit} within one sample at {at:.6g} s"
+        f"the response jumps by {said_of(recording, first.size, 3)} within one sample at {at:.6g} s"
         f"{', and back' if there_and_back else ''}, {first.times:.2g} times as far as in any other of that cycle"
     )
     if len(found) > 1:
@@ -129,8 +131,8 @@ def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
 def wrapping(recording: Recording, _: Oscillation) -> list[Problem]:
     """Find a signal that goes on at the other end of its range: an angle in one turn, or a converter's overflow."""
     problems = []
-    for signal, name, unit in _signals(recording):
-        angle = name == "response" and recording.quantity == "displacement" and unit == "rad"
+    for signal, name, said in signals_of(recording):
+        angle = name == "response" and recording.quantity == "displacement" and recording.unit == "rad"
         turns = wrapped(signal) if angle else np.zeros(0, int)
         places = turns if turns.size else folded(signal)
         if not places.size:
@@ -141,7 +143,7 @@ def wrapping(recording: Recording, _: Oscillation) -> list[Problem]:
             "(±180°, ±pi); unwrap it in the file, as numpy.unwrap does, so that it runs on"
             if turns.size
             else f"the {name} wraps {places.size} time(s) from one end of its range to the other, by "
-            f"{np.ptp(signal):.4g} {unit}, first at {at:.6g} s: its converter or its counter overflows; unwrap it in "
+            f"{said(float(np.ptp(signal)))}, first at {at:.6g} s: its converter or its counter overflows; unwrap it in "
             "the file by that range, or record with more"
         )
         problems.append(_error(recording, sentence))
@@ -152,7 +154,7 @@ def written_twice(recording: Recording, _: Oscillation) -> list[Problem]:
     """Find a block of samples that the recorder wrote twice: with noise on a signal nothing is the same again."""
     if not _is_noisy(recording.response):
         return []
-    signals = np.vstack([signal for signal, _, _ in _signals(recording)])
+    signals = np.vstack([signal for signal, _, _ in signals_of(recording)])
     for a, b in recording.blank:  # what was filled is the same in every cycle
         signals[0, a:b] = np.nan
     if (found := repeated(signals)) is None:
@@ -175,7 +177,7 @@ def overlapping(recordings: Sequence[Recording]) -> list[Problem]:
     """
     seen: set[tuple[float, bytes]] = set()
     for recording in recordings:  # one look at each, before anything is computed of any
-        signals = b"".join(signal.tobytes() for signal, _, _ in _signals(recording))
+        signals = b"".join(signal.tobytes() for signal, _, _ in signals_of(recording))
         key = (recording.start, sha256(signals).digest())
         if key in seen:
             why = "which would make the standard errors too small; name each recording once"
@@ -183,8 +185,8 @@ def overlapping(recordings: Sequence[Recording]) -> list[Problem]:
         seen.add(key)
     asked = [r for r in recordings if r.n >= LEAST_SAMPLES and _is_noisy(r.response, SAME)]
     for channels in (1, 2):
-        alike = [r for r in asked if len(_signals(r)) == channels]
-        found = in_both([np.vstack([signal for signal, _, _ in _signals(r)]) for r in alike])
+        alike = [r for r in asked if len(signals_of(r)) == channels]
+        found = in_both([np.vstack([signal for signal, _, _ in signals_of(r)]) for r in alike])
         if found is None:
             continue
         one, other, first, second, length = found
@@ -208,13 +210,13 @@ def _is_noisy(response: np.ndarray, least: float = 0.0) -> bool:
 def coarse(recording: Recording, _: Oscillation) -> list[Problem]:
     """Find signals of so few levels that their rounding keeps step with the motion."""
     notes = []
-    for signal, name, unit in _signals(recording):
+    for signal, name, said in signals_of(recording):
         step = converter_step(signal)
         if step and (levels := float(np.ptp(signal)) / step) < LEVELS:
             notes.append(
                 _note(
                     recording,
-                    f"the {name} has only {levels:.0f} levels, {step:.3g} {unit} apart: what rounding does to it "
+                    f"the {name} has only {levels:.0f} levels, {said(step, 3)} apart: what rounding does to it "
                     "repeats with the motion and is a large part of the parameters' errors; use a smaller range",
                 )
             )
@@ -228,13 +230,13 @@ def clipped(recording: Recording, motion: Oscillation) -> list[Problem]:
     is of the motion, the loss does not show in the recording.
     """
     problems = []
-    for signal, name, unit in _signals(recording):
+    for signal, name, said in signals_of(recording):
         rails = clipping(signal)
         if not rails:
             continue
         first = recording.start + min(rail.first for rail in rails) / recording.fs
         last = recording.start + max(rail.last for rail in rails) / recording.fs
-        levels = " and ".join(f"{rail.level:.4g} {unit}" for rail in rails)
+        levels = " and ".join(said(rail.level) for rail in rails)
         what = (
             f"the {name} is clipped: it stays exactly at {levels} on {sum(rail.visits for rail in rails)} peaks "
             f"({sum(rail.samples for rail in rails)} samples), from {first:.4g} to {last:.4g} s"
@@ -305,7 +307,7 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
     found = driven(recording.force, recording.response, recording.fs, motion.frequency, recording.quantity)
     if found is not None and found.is_related():
         return []
-    size = f"{np.std(recording.force):.2g} {recording.force_unit}"
+    size = said_of(recording, float(np.std(recording.force)), 2, force=True)
     what = (
         f"the force column holds nothing but white noise, {size} rms, and of the response it explains"
         if is_noise
@@ -372,13 +374,6 @@ _JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
     one_signal,
     reversed_force,
 )
-
-
-def _signals(recording: Recording) -> list[tuple[np.ndarray, str, str]]:
-    signals = [(recording.response, "response", recording.unit)]
-    if recording.force is not None:
-        signals.append((recording.force, "force", recording.force_unit))
-    return signals
 
 
 def _free(recording: Recording) -> bool:

@@ -223,9 +223,7 @@ def _facts_table(facts: Mapping[str, Any], recording: Recording) -> Table:
         ("sampling", f"{facts['fs']:.6g} Hz, {facts['samples']} samples, {facts['duration']:.6g} s"),
     ]
     for signal in facts["signals"]:
-        scale = scale_of(signal["unit"], np.array([signal["min"], signal["max"]]))
-        low, high = (number(signal[end] * scale.factor, 4) for end in ("min", "max"))
-        rows.append((signal["role"], f"{low} to {high} {scale.unit}"))
+        rows.append((signal["role"], signal["range"].replace("-", "−")))
     if recording.start:
         rows.append(("time stamps", f"from {number(recording.start, 6)} s on; a part counts from the first sample"))
     return Table(("", "What is read"), tuple(rows))

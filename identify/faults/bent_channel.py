@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...recording.as_recorded import InUnit
 from ..problem.chain import Fault
 from ..problem.linearised import Linearised
 from ..problem.normal_equations import pseudo_inverse
@@ -66,7 +67,7 @@ class Bent(Fault):
         """See ``Fault``."""
         return made if self.force else made * self._factor(made, segment, sizes)
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
         counted, cause = _IN_WORDS[self.shape]
         size, more = with_error(100 * abs(sizes[0]), 100 * errors[0]), "more" if sizes[0] > 0 else "less"
@@ -125,7 +126,7 @@ class FoundBent:
     @property
     def words(self) -> str:
         """What is said of its recording."""
-        return self.fault.in_words(np.array([self.size]), np.array([self.error]), "", "")
+        return self.fault.in_words(np.array([self.size]), np.array([self.error]), (1.0, ""), (1.0, ""))
 
 
 def bent_channels(

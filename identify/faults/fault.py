@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...recording.as_recorded import InUnit
 from ...simulate.force import SAMPLES_A_CYCLE, Force, smooth_force
 from ..problem.chain import Fault
 from ..problem.segments import Segment
@@ -34,7 +35,7 @@ class ResponseGain(Fault):
         """See ``Fault``."""
         return made * self._factor(segment, sizes)[: made.size]
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
         return _gain_in_words("response", self.place, sizes, errors)
 
@@ -51,7 +52,7 @@ class ForceGain(Fault):
         factor = np.where(times_of(segment) < self.place, 1.0, 1.0 / max(1.0 + sizes[0], _LEAST))
         return replace(segment, force=times_over(segment.force, factor, segment.dt))
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
         return _gain_in_words("force", self.place, sizes, errors)
 
@@ -75,7 +76,7 @@ class Late(Fault):
         """See ``Fault``; in seconds."""
         return 1e-2 / segment.pace
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
         ms, error = 1e3 * sizes[0], 1e3 * errors[0]
         way = "late" if ms > 0 else "early"
@@ -102,7 +103,7 @@ class Clock(Fault):
         """See ``Fault``."""
         return 1e-3
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
         way = "faster" if sizes[0] > 0 else "slower"
         share = with_error(100 * abs(sizes[0]), 100 * errors[0])
@@ -143,12 +144,13 @@ class Hum(Added):
         """See ``Added``."""
         return tone(times_of(segment), self.place, sizes)
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
+        factor, unit = response
         return (
-            f"a line of {self.place:.4g} Hz and {float(np.hypot(*sizes)):.3g} {unit} lies on the response that neither "
-            "its force nor the motion makes: hum, or a force of that frequency that was not recorded; remove its "
-            "cause and record again"
+            f"a line of {self.place:.4g} Hz and {factor * float(np.hypot(*sizes)):.3g} {unit} lies on the response "
+            "that neither its force nor the motion makes: hum, or a force of that frequency that was not recorded; "
+            "remove its cause and record again"
         )
 
 
@@ -173,11 +175,12 @@ class ForceHum(Fault):
         """See ``Fault``; in the unit of the force."""
         return 1.0 if segment.force is None else 1e-2 * float(np.std(segment.force.pieces[:, 0]))
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
+        factor, unit = force
         return (
-            f"a line of {self.place:.4g} Hz and {float(np.hypot(*sizes)):.3g} {force_unit} lies on the force's channel "
-            "and does not move the rig: hum of its sensor; remove its cause and record again"
+            f"a line of {self.place:.4g} Hz and {factor * float(np.hypot(*sizes)):.3g} {unit} lies on the force's "
+            "channel and does not move the rig: hum of its sensor; remove its cause and record again"
         )
 
 
@@ -190,11 +193,13 @@ class ZeroStep(Added):
         """See ``Added``."""
         return np.where(times_of(segment) < self.place, 0.0, sizes[0])
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
+        factor, unit = response
+        step = f"{factor * sizes[0]:.3g} ± {factor * errors[0]:.2g} {unit}"
         return (
-            f"at {self.place:.4g} s the sensor's zero steps by {sizes[0]:.3g} ± {errors[0]:.2g} {unit}: it slipped, or "
-            "its amplifier was set; use the parts before and after as recordings of their own (--part FROM:TO)"
+            f"at {self.place:.4g} s the sensor's zero steps by {step}: it slipped, or its amplifier was set; use the "
+            "parts before and after as recordings of their own (--part FROM:TO)"
         )
 
 

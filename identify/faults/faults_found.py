@@ -18,6 +18,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model import Oscillator
+from ...recording.as_recorded import of_force, of_response
 from ...recording.recording import Recording
 from ..fit.from_prediction import from_prediction, keeps_step, simulates
 from ..fit.reported_result import Fit
@@ -332,7 +333,7 @@ def _with_sizes(
         cycle = own[0].time + 2 * math.pi / own[0].pace  # which has no size of its own
         if isinstance(fault, GAINS) and fault.place < cycle:
             fault = replace(fault, place=THROUGHOUT)
-        words = drive or fault.in_words(sizes, error, recording.unit, recording.force_unit)
+        words = drive or fault.in_words(sizes, error, of_response(recording), of_force(recording))
         found.append(
             FoundFault(fault, tuple(map(float, sizes)), tuple(map(float, error)), float(gain), recording.name, words)
         )

@@ -25,6 +25,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model import Oscillator
+from ...recording.as_recorded import InUnit
 from ...recording.fact import changed
 from ...recording.recording import Recording
 from ..fit.from_prediction import from_prediction, keeps_step
@@ -89,7 +90,7 @@ class Deviation(Fault):
         """See ``Fault``."""
         return self.typical
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
         return f"{self.parameter} differs by {with_error(float(sizes[0]), float(errors[0]))}"
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...recording.as_recorded import InUnit
 from ..problem.chain import Fault
 from ..problem.segments import Segment
 from ..signals.registry import budget, numerics
@@ -59,7 +60,7 @@ class Wavering(Fault):
         """See ``Fault``; in seconds."""
         return 1e-2 / segment.pace
 
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """See ``Fault``."""
         size = float(np.hypot(*sizes))
         share = 2 * np.pi * self.place

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...recording.as_recorded import InUnit
 from ...simulate.sides import Sides
 from .segments import Segment
 
@@ -51,7 +52,7 @@ class Fault(ABC):
         return 1e-2
 
     @abstractmethod
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, response: InUnit, force: InUnit) -> str:
         """Kind, place and size in words."""
 
 

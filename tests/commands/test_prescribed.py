@@ -121,7 +121,7 @@ def test_show_simulate_and_export_take_an_element(folder: Path, tmp_path: Path, 
     ("arguments", "words"),
     [
         (("--prescribed", "nonsense"), r"no column 'nonsense' \(--prescribed\)"),
-        (("--prescribed", "other_mm"), "the motion is 0 m throughout; .* with --prescribed"),
+        (("--prescribed", "other_mm"), "the motion is 0 mm throughout; .* with --prescribed"),
         (("--prescribed", "stroke_mm", "--response", "other_mm"), "--prescribed and --response were both given"),
         (("--prescribed", "stroke_mm", "--base", "other_mm"), "--prescribed and --base were both given"),
         (("--prescribed", "stroke_mm", "--force", "none"), "without the force"),

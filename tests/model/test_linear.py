@@ -41,7 +41,7 @@ def test_about_a_motion_spring_and_damper_are_the_closed_forms(model):
 def test_an_amplitude_that_no_recording_covered_is_told(model):
     covered = replace(model, amplitude=Range(1e-4, 9e-3, "m"))
     assert linearise(covered, amplitude=9e-3).notes == ()
-    assert "0.0001 to 0.009 m" in linearise(covered, amplitude=1e-2).notes[0]
+    assert "0.0001 m to 0.009 m" in linearise(covered, amplitude=1e-2).notes[0]
 
 
 def test_about_a_point_it_is_the_tangent_and_the_force_that_holds_it(model):
@@ -168,3 +168,13 @@ def test_without_control_it_is_said(monkeypatch):
     monkeypatch.setitem(sys.modules, "control", None)
     with pytest.raises(BadInput, match=r"pip install control, or take to_scipy\(\)"):
         linearise(Oscillator.from_values(TRUTH), amplitude=1e-3).to_control()
+
+
+def test_amplitude_frequency_and_force_have_units_of_their_own():
+    model = Oscillator.from_values(TRUTH, name="stand")
+    assert np.array_equal(
+        linearise(model, amplitude="1 mm", frequency="12 Hz").A, linearise(model, amplitude=1e-3, frequency=12.0).A
+    )
+    assert np.array_equal(linearise(model, force="1000 mN").A, linearise(model, force=1.0).A)
+    with pytest.raises(BadInput, match="amplitude is '1 N', and N is no unit of it; give it in m"):
+        linearise(model, amplitude="1 N")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dashpot.errors import BadInput
 from dashpot.recording import Recording, from_sep5, read
 from dashpot.recording.as_recorded import of_force, of_response, scale_of_unit
 from dashpot.recording.fact import changed
@@ -34,3 +35,13 @@ def test_where_nothing_else_was_recorded_the_unit_is_its_own():
     assert scale_of_unit("V", "") == scale_of_unit("V", "furlong") == (1.0, "V")
     series = {"name": "x", "data": np.arange(9.0), "fs": 100.0, "unit_str": "mm"}
     assert of_response(from_sep5(series))[1] == "mm"
+
+
+def test_what_is_wrong_is_said_in_the_unit_of_the_file(tmp_path):
+    t = np.arange(4000) / 200.0
+    force = np.random.default_rng(3).normal(size=t.size)
+    moved = np.clip(8.0 * np.exp(-0.02 * t) * np.sin(9 * t), -5.0, 5.0)
+    path = tmp_path / "run.csv"
+    np.savetxt(path, np.column_stack([t, force, moved]), delimiter=",", header="time_s,force_kN,x_mm", comments="")
+    with pytest.raises(BadInput, match=r"it stays exactly at -?5 mm and -?5 mm on"):
+        read(path)

@@ -98,7 +98,7 @@ def test_a_line_on_the_force_is_taken_off_with_all_its_derivatives():
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_kind_is_told_with_its_size(kind):
     fault = kind(0, 12.3)
-    sentence = fault.in_words(np.full(fault.count, -0.05), np.full(fault.count, 0.001), "m", "N")
+    sentence = fault.in_words(np.full(fault.count, -0.05), np.full(fault.count, 0.001), (1e3, "mm"), (1.0, "N"))
     assert "record" in sentence or "rate" in sentence
-    assert any(figure in sentence for figure in ("0.95", "50", "5", "0.0707"))
+    assert any(figure in sentence for figure in ("0.95", "50", "5", "70.7 mm", "0.0707 N"))
     assert ("12.3" in sentence) == (fault.timed or fault.tonal)
