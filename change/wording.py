@@ -62,7 +62,7 @@ def sentence(comparison: Comparison) -> str:
 
 def describe(comparison: Comparison) -> str:
     """What ``dashpot compare`` prints."""
-    head = ("parameter", comparison.first[:24], comparison.second[:24], "change", "errors", "in all", "p", "")
+    head = ("parameter", comparison.first[:24], comparison.second[:24], "unit", "change", "errors", "in all", "p", "")
     rows: list[tuple[str, ...]] = [head]
     for s in comparison.shifts:
         rows.append(
@@ -70,16 +70,17 @@ def describe(comparison: Comparison) -> str:
                 s.name,
                 f"{s.first:.5g} ± {s.first_error:.2g}",
                 f"{s.second:.5g} ± {s.second_error:.2g}",
+                "" if s.unit == "1" else s.unit,
                 percent_change(s.first, s.second) or f"{s.change:+.3g}",
                 f"{s.errors:+.1f}",
                 f"{s.repeats:+.1f}",
                 f"{s.chance:.2g}",
-                "moved" if s.moved else f"seen from ±{s.seen_from:.2g} {s.unit}",
+                "moved" if s.moved else f"seen from ±{s.seen_from:.2g}",
             )
         )
     width = [max(len(row[i]) for row in rows) for i in range(len(head))]
     lines = [
-        "  ".join(f"{cell:{'<' if i in (0, 7) else '>'}{width[i]}}" for i, cell in enumerate(row)).rstrip()
+        "  ".join(f"{cell:{'<' if i in (0, 3, 8) else '>'}{width[i]}}" for i, cell in enumerate(row)).rstrip()
         for row in rows
     ]
     judged = judged_by(comparison)
