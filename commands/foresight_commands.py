@@ -28,10 +28,10 @@ def check(
     mode: str | None,
     **options: Any,
 ) -> None:
-    """What recordings tell of the equation and how well, before anything is fitted; exit code 1 where the errors are rough.
+    """What recordings tell of the equation and how well, before anything is fitted.
 
     Noise, resolution, sampling, what is used of each recording; then the standard error that a fit is expected to state
-    of every parameter, from the Fisher information along the motion.
+    of every parameter, from the Fisher information along the motion. Exit code 1 where the errors are rough.
     """
     from ..face.foresight import checked
 

@@ -63,6 +63,8 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     simulation = along(oscillator, given)
     simulation.save(output)
     say(f"written: {output}")
+    if simulation.beyond:
+        say(f"note: {simulation.beyond}: beyond that it is an extrapolation")
     if simulation.lost is not None:
         note = f"the simulation runs away; from {simulation.lost:.4g} s on {output} holds nan"
         say(f"{model}: {note}: check units and parameters", always=True)

@@ -15,6 +15,7 @@ from ..errors import BadInput
 from ..files.arguments import number_of, path_of, shown, text_of
 from ..files.writing import write
 from ..model import Oscillator, Response
+from ..model.as_recorded import as_recorded
 from ..model.fit_state import percent_words
 from ..model.left import share_of_motion
 from ..recording import Recording, recordings_of
@@ -27,6 +28,8 @@ from ..recording.recording import HOLDS
 
 #: A first guess of how far a force moves a rig, in static deflections: a resonance that is met in passing.
 _RESONANCE = 10.0
+#: By how much of what was covered a motion may be larger without a word: the amplitudes of one motion differ so.
+_SLACK = 0.02
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,6 +43,7 @@ class Simulation:
         force: (n,) in the unit of the model's force; None for free motion.
         shown: quantity and unit of the response.
         measured: the recording that it runs along; None under a force of one's own.
+        beyond: a sentence where its displacement goes further than what the model was identified in.
     """
 
     name: str
@@ -48,6 +52,7 @@ class Simulation:
     force: np.ndarray | None
     shown: Response
     measured: Recording | None = None
+    beyond: str = ""
 
     @property
     def nrmse(self) -> float | None:
@@ -70,11 +75,9 @@ class Simulation:
         )
         if self.lost is not None:
             return f"{words}; it runs away at {self.lost:.4g} s"
-        return (
-            words
-            if self.nrmse is None
-            else f"{words}; leaves {percent_words(100 * self.nrmse)} % of the measured motion"
-        )
+        if self.nrmse is not None:
+            words += f"; leaves {percent_words(100 * self.nrmse)} % of the measured motion"
+        return f"{words}; {self.beyond}" if self.beyond else words
 
     def _said(self, value: float) -> str:
         """A response in the unit as recorded; under a force of one's own with a fitting prefix."""
@@ -161,8 +164,9 @@ def simulated(
     hold = text_of(oscillator.hold if options.get("hold") is None else options["hold"], "hold")
     if hold not in HOLDS:
         raise BadInput(f"hold {hold[:40]!r} is not known; use one of {', '.join(HOLDS)}")
-    response = _driven(oscillator, samples, n, 1.0 / fs, beginning, hold)
-    return Simulation(oscillator.name, np.arange(n) / fs, response, samples, oscillator.response)
+    response, displacement = _driven(oscillator, samples, n, 1.0 / fs, beginning, hold)
+    beyond = _beyond(oscillator, displacement)
+    return Simulation(oscillator.name, np.arange(n) / fs, response, samples, oscillator.response, beyond=beyond)
 
 
 #: A step between two instants may differ from the mean one by this part of it: stamps are rounded.
@@ -224,12 +228,23 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
         measured = changed(measured, force=None)
     response = replay(oscillator, measured)
     shown = Response(measured.quantity, measured.unit)
-    return Simulation(measured.name, measured.time, response, measured.force, shown, measured)
+    beyond = _beyond(oscillator, response) if shown.quantity == "displacement" else ""
+    return Simulation(measured.name, measured.time, response, measured.force, shown, measured, beyond)
+
+
+def _beyond(oscillator: Oscillator, displacement: np.ndarray) -> str:
+    """Whether a motion (n,) swings further than any that the model was identified in, in words; empty where not."""
+    covered, motion = oscillator.amplitude, displacement[np.isfinite(displacement)]
+    if covered is None or not motion.size or (swing := 0.5 * float(np.ptp(motion))) <= (1 + _SLACK) * covered.max:
+        return ""
+    (far, unit), (known, _) = (as_recorded(oscillator, value, covered.unit) for value in (swing, covered.max))
+    return f"it swings by {far:.3g} {unit}, and the model was identified up to {known:.3g} {unit}"
 
 
 def _driven(
     oscillator: Oscillator, force: np.ndarray | None, n: int, dt: float, initial: np.ndarray, hold: str
-) -> np.ndarray:
+) -> tuple[np.ndarray, np.ndarray]:
+    """Response and displacement, (n,) each."""
     from ..identify.problem.segments import FORCE_BAND
     from ..simulate.core import core_of, step_for
     from ..simulate.force import force_between
@@ -246,8 +261,8 @@ def _driven(
         step = step_for(oscillator, peak or 1e-6, n * dt)
         return core.record(np.array(list(values.values())), begin, pushed, n, dt, step, states=states)
 
-    reached = float(np.nanmax(np.abs(run(peak, states=True)[:, 0]), initial=0.0))
-    return run(max(peak, reached))
+    displacement = run(peak, states=True)[:, 0]
+    return run(max(peak, float(np.nanmax(np.abs(displacement), initial=0.0)))), displacement
 
 
 # A simulated response beside the measured one, as CSV.
