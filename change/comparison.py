@@ -48,7 +48,7 @@ class Shift:
         return self.second - self.first
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Comparison:
     """What changed from one model to another.
 
@@ -75,6 +75,11 @@ class Comparison:
     appeared: tuple[str, ...]
     vanished: tuple[str, ...]
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        moved = f"{', '.join(self.moved.best.moved) or 'nothing'} moved"
+        laws = [*(f"{law} appeared" for law in self.appeared), *(f"{law} vanished" for law in self.vanished)]
+        return f"<Comparison of {self.first} with {self.second}: {', '.join([moved, *laws])}>"
 
     @property
     def changed(self) -> bool:

@@ -41,7 +41,7 @@ class Point:
     when: float | str | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Life:
     """What became of a rig.
 
@@ -64,6 +64,11 @@ class Life:
     repeatability: Repeatability
     laws: tuple[tuple[int, tuple[str, ...], tuple[str, ...]], ...]
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        moved = () if self.moved is None else self.moved.best.moved
+        tests = f"{len(self.points)} tests, {len(self.groups)} states"
+        return f"<Life of {self.name}: {tests}, {', '.join(moved) or 'nothing'} moved>"
 
     @property
     def moved(self) -> Moved | None:

@@ -33,7 +33,7 @@ def sentences(life: Life) -> list[str]:
             change = Change.of(quantity, step.state - 1, step.state, step.before, step.after)
             share = percent_change(change.before, change.after)
             size = abs(step.after - step.before) / step.error if step.error > 0 else math.inf
-            much = f"{share}{', ' if share else ''}{size:.3g} of its errors"
+            much = f"{share}{', ' if share else ''}{size:.3g} of its errors, all else common"
             parts.append(
                 f"{name} changes between {life.label(step.state - 1)} and {life.label(step.state)}: {change.words} "
                 f"({much})."

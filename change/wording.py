@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from ..model.parameter import Parameter
+from ..model.show import value_and_error
 from .comparison import Comparison
 from .moved import Hypothesis, Moved
 from .quantities import Change, Quantity
@@ -47,7 +49,7 @@ def sentence(comparison: Comparison) -> str:
     units = {shift.name: shift.unit for shift in comparison.shifts}
     for name, (first, second) in comparison.explained.items():
         error = comparison.change_errors[name]
-        size = f", {abs(second[0] - first[0]) / error:.3g} of its errors" if error > 0 else ""
+        size = f", {abs(second[0] - first[0]) / error:.3g} of its errors, all else common to both" if error > 0 else ""
         own = Quantity(name, units[name], (1.0, 1.0))
         change = Change.of(comparison.machine.get(name, own), 0, 1, first[0], second[0])
         share = percent_change(change.before, change.after)
@@ -68,8 +70,8 @@ def describe(comparison: Comparison) -> str:
         rows.append(
             (
                 s.name,
-                f"{s.first:.5g} ± {s.first_error:.2g}",
-                f"{s.second:.5g} ± {s.second_error:.2g}",
+                " ± ".join(value_and_error(Parameter(s.first, s.first_error))),
+                " ± ".join(value_and_error(Parameter(s.second, s.second_error))),
                 "" if s.unit == "1" else s.unit,
                 percent_change(s.first, s.second) or f"{s.change:+.3g}",
                 f"{s.errors:+.1f}",

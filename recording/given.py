@@ -14,19 +14,22 @@ import numpy as np
 from ..errors import BadInput, TellsNothing
 from ..files.arguments import known_options, number_of, path_of, shown, text_of
 from .beside import with_beside
-from .by_amplitude import amplitudes_of
+from .by_amplitude import amplitudes_of, of_amplitude
 from .channel import Channel, Stated, check_count, of_value, refuse_gaps, stated_channels
 from .checks import not_a_number, out_of_range
 from .content import MOST_MB
+from .fact import changed
 from .frequency import frequency_of
 from .objects import is_sep5, is_series, series_of, tables_of_object
-from .part import part_of
+from .part import cut_out, part_of
 from .plain_numbers import vector_of
 from .read import parts_of, place_of, tables_at
 from .recording import Recording
 
 #: Lists within lists in which recordings are sought: rigs of tests of files, and as much again.
 _DEEPEST = 6
+#: Options that a recording can be given behind its reading.
+_OF_A_RECORDING = ("part", "amplitude", "hold")
 
 
 class Reading(TypedDict, total=False):
@@ -68,8 +71,9 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     """The recordings that are meant, in order.
 
     Args:
-        given: each a Recording (as it is, where all of it is numbers), a path (all records of the file), a DataFrame,
-            an xarray Dataset or DataArray, SEP 5 dictionaries, arrays by name such as
+        given: each a Recording (as it is, where all of it is numbers; ``part``, ``amplitude``, ``hold`` and a force of
+            "none" apply to it, other options are refused where nothing else is read), a path (all records of the file),
+            a DataFrame, an xarray Dataset or DataArray, SEP 5 dictionaries, arrays by name such as
             {"time_s": t, "force_N": f, "displacement_m": x}, one array (n,) with ``fs`` or ``time``, a Series, or any
             of these in a list.
         options: see ``Reading``.
@@ -94,7 +98,7 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
         if isinstance(one, Recording):
             for problem in not_a_number(one) or out_of_range(one):
                 raise BadInput(problem.sentence)
-            made.append(_with_channels(one, own))
+            made += _again(_with_channels(one, own), how, alone=all(isinstance(each, Recording) for each in meant))
             continue
         for column in columns or [None]:
             for make in _read(one, next(number), how | {"response": column, "channels": own}):
@@ -144,6 +148,24 @@ def _called(one: Any, place: int) -> str:
     if isinstance(one, Recording):
         return one.name
     return os.fspath(one) if isinstance(one, str | os.PathLike) else f"recording {place + 1}"
+
+
+def _again(recording: Recording, how: Mapping[str, Any], *, alone: bool) -> list[Recording]:
+    """What is wanted of a recording that was read already; options for reading belong to others beside it, if any."""
+    useless = [name for name in how if name not in (*_OF_A_RECORDING, "max_size")]
+    if how.get("force") == "none":
+        useless.remove("force")
+        recording = changed(recording, force=None)
+    if useless and alone:
+        raise BadInput(
+            f"{recording.name}: was read already, and {useless[0]} says how to read; give it to read, or make the "
+            "Recording with it"
+        )
+    if "part" in how:
+        recording = cut_out(recording, how["part"])
+    if "hold" in how:
+        recording = changed(recording, hold=how["hold"])
+    return of_amplitude(recording, how.get("amplitude"))
 
 
 def _with_channels(recording: Recording, stated: Sequence[Stated]) -> Recording:

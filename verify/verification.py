@@ -24,6 +24,7 @@ from ..identify.problem.replay import Replay, force_of, run_along
 from ..identify.signals.said import said
 from ..identify.signals.signals import noise_levels
 from ..model import Response
+from ..model.fit_state import percent_words, times_words
 from ..model.left import share_of_motion
 from ..model.show import finite
 from ..recording.given import recordings_of
@@ -87,6 +88,11 @@ class RecordingCheck:
     score: Score | None = None
     failed: tuple[str, ...] = ()
 
+    @property
+    def over_noise(self) -> float:
+        """How many times the noise is left."""
+        return self.nrmse / self.noise_floor if self.noise_floor > 0 else np.inf
+
     def __repr__(self) -> str:
         verdict = "passes" if self.passed else "fails"
         return (
@@ -113,7 +119,16 @@ class Verification:
     def sentence(self) -> str:
         """The outcome in one sentence."""
         if self.passed:
-            return f"{self.fmu} reproduces {len(self.recordings)} recording(s) to within their noise"
+            several = len(self.recordings) > 1
+            what = f"{len(self.recordings)} recordings" if several else self.recordings[0].file
+            most = max(self.recordings, key=lambda check: check.over_noise)
+            if most.over_noise <= NOISE_RATIO:
+                return f"{self.fmu} reproduces {what} to within {'their' if several else 'its'} noise"
+            return (
+                f"{self.fmu} reproduces {what} to within noise and what the model's own errors allow: of {most.file} "
+                f"{percent_words(100 * most.nrmse)} % of the motion is left, {times_words(most.over_noise)} times the "
+                f"noise, where {percent_words(100 * most.nrmse_limit)} % would still pass"
+            )
         bad = [check for check in self.recordings if not check.passed]
         worst = max(bad, key=lambda check: check.nrmse / check.nrmse_limit if check.nrmse_limit > 0 else np.inf)
         return (
@@ -172,6 +187,8 @@ def verify(
     checks = []
     progress = progress or (lambda _: None)
     recordings = recordings_of(recordings)
+    if not recordings:
+        raise BadInput(f"{fmu}: no recording was given to hold it against; give at least one")
     with FmuRun(Path(fmu), limit=TIME_LIMIT if limit is None else limit) as run:
         if run.moved and imposed is None:
             raise BadInput(f"{fmu}: holds a force law by itself, which is not run here; dashpot verify takes it")

@@ -51,3 +51,14 @@ def test_a_malformed_one_is_refused_beside_any():
     bad = made() | {"x_m": np.where(np.arange(N) == 500, np.inf, made()["x_m"])}
     with pytest.raises(BadInput, match="recording 2: the response has 1 value"):
         recordings_of(made(), bad)
+
+
+def test_a_recording_that_was_read_takes_what_chooses_of_it_and_nothing_that_reads():
+    (whole,) = recordings_of(made())
+    (used,) = recordings_of(whole, part="1:3", hold="zero")
+    assert (used.n, used.hold) == (400, "zero")
+    assert np.array_equal(used.response, whole.response[200:600])
+    assert recordings_of(whole, force="none")[0].force is None
+    with pytest.raises(BadInput, match="was read already, and fs says how to read; give it to read"):
+        recordings_of(whole, fs=500.0)
+    assert len(recordings_of([whole, made(seed=1)], unit="m")) == 2

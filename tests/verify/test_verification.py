@@ -77,7 +77,7 @@ def test_a_right_model_passes_and_the_noise_floor_is_the_noise(fmu):
     assert check.nrmse == pytest.approx(NOISE / np.std(record.response), rel=0.05)
     assert check.noise_floor == pytest.approx(NOISE / np.std(record.response), rel=0.05)
     assert check.backbone_max_error_hz < 0.02
-    assert result.sentence() == "rig.fmu reproduces 1 recording(s) to within their noise"
+    assert result.sentence() == "rig.fmu reproduces sweep.csv to within its noise"
 
 
 def test_noise_on_the_force_belongs_to_the_floor(fmu):
