@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .as_recorded import as_recorded, parameter_as_recorded, recorded_length
-from .fit_state import faults_of_recordings, left_over, state_of_fit
+from .fit_state import faults_of_recordings, left_of, left_over, state_of_fit
 from .oscillator import HOLDS
 from .physical import machine, machine_words
 
@@ -276,7 +276,11 @@ def _validity(o: Oscillator) -> list[str]:
 
 def _origin(o: Oscillator) -> list[str]:
     provenance = o.identified
-    lines = [f"  {_recording(recording)}" for recording in provenance.recordings] or ["  not stated"]
+    left = {one.file: f"; left {one.of_noise}, {one.of_motion}" for one in left_of(o)}
+    lines = [
+        f"  {_recording(recording)}{left.get(str(recording.get('file')), '')}" for recording in provenance.recordings
+    ]
+    lines = lines or ["  not stated"]
     likelihood = None if provenance.log_likelihood is None else f"log likelihood {provenance.log_likelihood:.6g}"
     how = [part for part in (provenance.method, provenance.software, likelihood) if part]
     return [*lines, *([f"  by {', '.join(how)}"] if how else [])]
