@@ -44,7 +44,7 @@ def _rivals(rivals: Sequence[Hypothesis]) -> str:
 
 
 def sentence(comparison: Comparison) -> str:
-    """The whole in one sentence or two."""
+    """The whole in one sentence or two; of models that leave more than noise it says less."""
     parts = []
     units = {shift.name: shift.unit for shift in comparison.shifts}
     for name, (first, second) in comparison.explained.items():
@@ -55,6 +55,8 @@ def sentence(comparison: Comparison) -> str:
         share = percent_change(change.before, change.after)
         parts.append(f"{change.words}{f' ({share}{size})' if share else ''}")
     said = verdict(comparison.moved, differs=comparison.differs)
+    if not comparison.moved.best.moved and not comparison.differs and not comparison.repeatability.trusted:
+        said = "Nothing is seen to have moved, by models that leave more than noise: see below"
     text = f"{said}{': ' if parts else ''}{'; '.join(parts)}."
     for words, laws in (("appeared", comparison.appeared), ("vanished", comparison.vanished)):
         if laws:

@@ -174,4 +174,4 @@ def linear_pieces(force: np.ndarray) -> np.ndarray:
 
 
 def _sign(value: float) -> int:
-    return (value > 0) - (value < 0)
+    return int(value > 0) - int(value < 0)  # a comparison of NumPy's gives no number

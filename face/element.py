@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -142,6 +142,12 @@ class ForceElement:
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter by its name."""
         return self.element.parameters()
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.parameters
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.parameters)
 
     def __getitem__(self, name: str) -> Parameter:
         known = self.element.parameters()

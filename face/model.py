@@ -5,7 +5,7 @@ They stand together because each makes the other: a model is diagnosed, and a di
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,6 +17,7 @@ from ..model import Oscillator, Parameter, Response, oscillator_with
 from ..model.limits import checked_value
 from ..model.oscillator import QUANTITIES
 from ..recording import Reading, recordings_of
+from ..recording.units import parse_unit
 from .figures import figures_of
 from .options import mode_text, with_reading
 from .python_words import in_python, speaks_python
@@ -91,7 +92,7 @@ class Model:
             raise BadInput(f"quantity {quantity[:40]!r} is not known; use one of {', '.join(QUANTITIES)}")
         if not isinstance(unit, str) or not isinstance(name, str) or not isinstance(values, Mapping):
             raise BadInput("name and unit must be texts, and values numbers by name; see docs/python.md")
-        response = Response(quantity, unit)
+        response = Response(quantity, _in_si(quantity, unit))
         oscillator = oscillator_with(
             values, [laws] if isinstance(laws, str) else several_of(laws, "laws"), name=name, response=response
         )
@@ -129,6 +130,12 @@ class Model:
 
         found = () if self.identification is None else (*self.identification.notes, *self.identification.faults)
         return tuple(dict.fromkeys(map(in_python, (*found, *warnings(self.oscillator)))))
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.parameters or name in self.machine
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.parameters)
 
     def __getitem__(self, name: str) -> Parameter:
         known = self.parameters
@@ -319,6 +326,16 @@ class Model:
     def renamed(self, name: str) -> Model:
         """The same model under another name."""
         return replace(self, oscillator=replace(self.oscillator, name=text_of(name, "the name of a model")))
+
+
+def _in_si(quantity: str, unit: str) -> str:
+    """A unit of such a response; raises BadInput for one with a prefix, of something else, or that is none."""
+    known = parse_unit(unit, "unit")
+    if known.quantity not in (quantity, "any"):
+        raise BadInput(f"unit {unit!r} measures {known.quantity}, and the response is a {quantity}; give one of that")
+    if known.si != unit:
+        raise BadInput(f"unit {unit!r}: the numbers are in SI; give them and the unit in {known.si}")
+    return unit
 
 
 @dataclass(frozen=True, eq=False, repr=False)

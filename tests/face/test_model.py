@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
+from dashpot.face.model import Model
 from dashpot.recording import recordings_of
 
 FS = 500.0
@@ -213,3 +214,25 @@ def test_hilbert_writes_what_the_command_does(tmp_path):
     assert [path.name for path in analysis.save(tmp_path / "curves")] == ["curves.csv", "hilbert.json", "report.html"]
     assert "<svg" in analysis._repr_html_()
     assert repr(analysis).startswith("FREEVIB")
+
+
+@pytest.mark.parametrize(
+    ("quantity", "unit", "said"),
+    [
+        ("displacement", "mm", "the numbers are in SI; give them and the unit in m"),
+        ("displacement", "m/s2", "measures acceleration, and the response is a displacement"),
+        ("displacement", "foo", "unit 'foo' is not known"),
+        ("displacement", "kg", "unit 'kg' is not known"),
+    ],
+)
+def test_a_unit_that_the_response_cannot_have_is_refused(quantity, unit, said):
+    with pytest.raises(BadInput, match=said):
+        Model.from_values(TRUTH, quantity=quantity, unit=unit)
+
+
+def test_a_model_is_asked_for_names_as_a_mapping_is():
+    model = Model.from_values(TRUTH)
+    assert "dry" in model
+    assert "friction" in model
+    assert "no" not in model
+    assert list(model) == list(model.parameters)
