@@ -94,7 +94,8 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
     if after is None and case.in_pieces:
         # a fit to a part of what there is is held against the rest, and no reason to leave that of all
         kept = case.model if identified_from(case.model, case.given) else case.family.model
-    verdict = verdict_of(after, remainder, records)
+    untried = bool(found.untried)
+    verdict = verdict_of(after, remainder, records, untried=untried)
     progress("where, and what to record next", part_at(TRIED, missing))
     nothing = verdict == "consistent" and remainder is None
     location = None if nothing else locate(left.family, left.data, records)
@@ -106,7 +107,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
     progress("done", 1.0)
     return Diagnosis(
         verdict=verdict,
-        sentence=sentence_of(verdict, effects, remainder, records, left.before, left.after, unnamed),
+        sentence=sentence_of(verdict, effects, remainder, records, left.before, left.after, unnamed, untried=untried),
         effects=effects,
         location=location,
         before=before,

@@ -17,8 +17,15 @@ from .wording import effects_in_words, figure, spoken
 _IN_WORDS = shown(5, "effects and rivals", why="more cannot be put into words in one sentence")
 
 
-def verdict_of(mended: object, remainder: str | None, records: Sequence[RecordFit]) -> Verdict:
+_UNFINISHED = "The time allowed ended before everything was tried, and what was not may say more: raise --seconds."
+
+
+def verdict_of(
+    mended: object, remainder: str | None, records: Sequence[RecordFit], *, untried: bool = False
+) -> Verdict:
     """``missing-physics`` where the model was ``mended``; ``unexplained`` only where something large is left.
+
+    Where more than noise is left and something was ``untried`` for want of time, nobody knows yet: ``unexplained``.
 
     Every recording's free simulation is judged: to its noise, whatever the colour of that, where nothing is left that
     moves with the rig, else to a hundredth of its power, which is enough for many uses.
@@ -27,7 +34,7 @@ def verdict_of(mended: object, remainder: str | None, records: Sequence[RecordFi
         return "missing-physics"
     noise = remainder is None and all(r.nrmse_before <= FAR_ABOVE_NOISE * r.noise_floor for r in records)
     small = bool(records) and all(r.nrmse_before**2 <= MATTERS for r in records)
-    return "consistent" if noise or small else "unexplained"
+    return "consistent" if noise or (small and not untried) else "unexplained"
 
 
 def sentence_of(
@@ -38,6 +45,8 @@ def sentence_of(
     before: Sequence[Leftover],
     after: Sequence[Leftover],
     unnamed: Mapping[str, float | None] | None = None,
+    *,
+    untried: bool = False,
 ) -> str:
     """The verdict for a person: what is missing, how much of what was missing it takes away, what remains.
 
@@ -48,9 +57,13 @@ def sentence_of(
         records: every recording, simulated freely.
         before, after: what the family and the mended model leave in each stretch.
         unnamed: laws of the mended model that are not named, with the share of what is left without it that each takes.
+        untried: whether the time allowed ended before everything was tried.
     """
+    unfinished = f" {_UNFINISHED}" if untried and remainder is not None else ""
     if verdict == "consistent":
         return _consistent(records, remainder)
+    if verdict == "unexplained" and unfinished:
+        return f"Undecided: something is left, {remainder}, and nothing that was tried explains it.{unfinished}"
     if verdict == "unexplained":
         return f"Something is missing that no effect of the library explains: {remainder or _worst(records)}."
     parts = []
@@ -65,7 +78,7 @@ def sentence_of(
         parts.append(remainder)
     figures = "; ".join(parts)
     missing = f"Missing: {_named(effects)}." if effects else _untold(unnamed or {})
-    return missing + (f" {figures[0].upper()}{figures[1:]}." if figures else "")
+    return missing + (f" {figures[0].upper()}{figures[1:]}." if figures else "") + unfinished
 
 
 def _consistent(records: Sequence[RecordFit], remainder: str | None) -> str:

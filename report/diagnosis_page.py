@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnose.wording import effects_in_words, spoken
+from ..identify.signals.odds import ABOVE_NOISE
 from ..model.display import full_stop, pretty_unit
 from ..model.show import warnings as model_warnings
 from .before_after import fit_sentence, more_responses_section, response_section
@@ -21,6 +22,7 @@ from .provenance import files_text, recordings_table
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis, Effect
+    from ..model.fit_state import Left
 
 #: How each verdict is shown: a shape and words that come before the sentence, and the colour.
 VERDICTS = {
@@ -28,6 +30,8 @@ VERDICTS = {
     "missing-physics": ("◆ Missing physics.", "note"),
     "unexplained": ("▲ Unexplained.", "bad"),
 }
+#: Of a model that leaves more than noise, where nothing that was tried tells more.
+_BEYOND_NOISE = ("≈ Close, and not to the noise.", "note")
 
 
 def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
@@ -60,7 +64,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
         Section("The measuring chain, which is no physics of the rig", tuple(_chain(diagnosis)), folded=True),
         Section("Where the numbers come from", tuple(_provenance(diagnosis, files)), folded=True),
     ]
-    mark, tone = VERDICTS.get(diagnosis.verdict, ("", "note"))
+    mark, tone = mark_of(diagnosis)
     lead: list[Block] = [Text(full_stop(diagnosis.sentence), tone, mark), *lead_table(diagnosis)]
     if not said:
         lead += left
@@ -68,6 +72,19 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
     if diagnosis.experiment is not None and _planned(diagnosis):
         lead.append(Text(full_stop(diagnosis.experiment.sentence), lead="The next experiment:"))
     return Page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead)
+
+
+def beyond_noise(diagnosis: Diagnosis) -> Left | None:
+    """What the model, mended or given, leaves of the recording of which it leaves most times the noise; None at it."""
+    left = [record.left_after if diagnosis.mended else record.left_before for record in diagnosis.records]
+    most = max(left, key=lambda one: one.times, default=None)
+    return None if most is None or most.times <= ABOVE_NOISE else most
+
+
+def mark_of(diagnosis: Diagnosis) -> tuple[str, str]:
+    """The verdict's shape and words, and its colour."""
+    close = diagnosis.verdict == "consistent" and beyond_noise(diagnosis) is not None
+    return _BEYOND_NOISE if close else VERDICTS.get(diagnosis.verdict, ("", "note"))
 
 
 def _says_what_is_left(diagnosis: Diagnosis) -> bool:
@@ -79,7 +96,12 @@ def next_step(diagnosis: Diagnosis, files: Sequence[str] = ()) -> str:
     """What a person should do with the verdict, in one or two sentences."""
     again = "; to be surer, make the next experiment below" if _planned(diagnosis) else ""
     if diagnosis.verdict == "consistent":
-        return f"use the model as it is, within what the recordings covered{again}."
+        if beyond_noise(diagnosis) is None:
+            return f"use the model as it is, within what the recordings covered{again}."
+        return (
+            "use the model where what it leaves is small enough for you; its parameters may be off by more than their "
+            f"errors{again}."
+        )
     if diagnosis.verdict == "missing-physics":
         mended = next((name for name in files if name.endswith(".yaml")), "")
         names = list(dict.fromkeys(effect.law for effect in diagnosis.effects))
@@ -111,7 +133,7 @@ def remarks(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def _chain(diagnosis: Diagnosis) -> list[Block]:
     if not diagnosis.chain:
-        return [Text("Nothing was taken off: the sensors show zero at zero, and the force runs as it was said to.")]
+        return [Text("Nothing was taken off: the sensors show zero at zero, and the force runs as it was taken.")]
     return [Items(tuple(full_stop(fact.sentence) for fact in diagnosis.chain))]
 
 
@@ -122,7 +144,11 @@ def _remainder(diagnosis: Diagnosis) -> list[Block]:
         rest = Text("What the model leaves over stays unexplained; it is shown above.", "bad")
     else:
         model = "mended" if diagnosis.mended else "given"
-        rest = Text(f"Nothing stays beyond the noise: the {model} model reproduces these recordings.", "good")
+        most = beyond_noise(diagnosis)
+        if most is None:
+            rest = Text(f"Nothing stays beyond the noise: the {model} model reproduces these recordings.", "good")
+        else:
+            rest = Text(f"The {model} model leaves {most.of_noise} in {most.file}, which is not seen to follow it.")
     notes = remarks(diagnosis)
     return [rest, *([Text("Take note:"), Items(notes)] if notes else [])]
 

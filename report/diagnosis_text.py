@@ -11,7 +11,7 @@ from ..export.render import plain_text
 from ..model.display import full_stop, number, quantity_text, times_text
 from ..model.effect_words import effect_in_words
 from .before_after import fit_sentence, ratio_to_floor
-from .diagnosis_page import VERDICTS, next_step, remarks
+from .diagnosis_page import mark_of, next_step, remarks
 from .effects import BENT, is_curve, shifts, size_text
 from .location import PATHS
 
@@ -27,7 +27,7 @@ _NAME = 30
 
 def describe(diagnosis: Diagnosis) -> str:
     """The diagnosis as text of some forty lines of at most a hundred columns; the page says it at length."""
-    mark, _ = VERDICTS.get(diagnosis.verdict, ("", ""))
+    mark, _ = mark_of(diagnosis)
     lines = _wrapped(f"{mark} {full_stop(diagnosis.sentence)}", "", 6)
     lines += _wrapped(f"To do: {next_step(diagnosis)}", "", 4)
     if diagnosis.effects:

@@ -48,7 +48,16 @@ def location_section(diagnosis: Diagnosis) -> Section:
     title = "Where the given model fails"
     place = diagnosis.location
     if place is None:
-        return Section(title, (Text("Nowhere beyond the noise of these recordings."),))
+        return Section(
+            title,
+            (
+                Text(
+                    "Nowhere: nothing is left that follows the motion."
+                    if diagnosis.remainder is None
+                    else "not stated."
+                ),
+            ),
+        )
     blocks: list[Block] = [Text(full_stop(place.statement) or "not stated.", "note", "It fails:")]
     ranges = _ranges(diagnosis, place)
     shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}

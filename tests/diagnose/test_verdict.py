@@ -56,6 +56,18 @@ def test_what_is_named_is_missing_whatever_remains(remainder):
     assert verdict_of((DRAG,), remainder, [row(5.0)]) == "missing-physics"
 
 
+def test_where_time_ran_out_nobody_knows_whether_something_is_missing():
+    rows = [row(0.035, floor=1e-3)]
+    assert verdict_of((), "there remains a little", rows, untried=True) == "unexplained"
+    assert verdict_of((), None, [row()], untried=True) == "consistent"
+    said = sentence_of("unexplained", (), "there remains a little", rows, left(20.0), left(20.0), untried=True)
+    assert said.startswith("Undecided: something is left")
+    assert said.endswith("raise --seconds.")
+    named = sentence_of("missing-physics", (DRAG,), "a little remains", rows, left(20.0), left(9.0), untried=True)
+    assert "drag" in named
+    assert named.endswith("raise --seconds.")
+
+
 # --- the share
 
 
