@@ -101,7 +101,7 @@ SAID = {
         "use the mended model (model.yaml)",
         "look for drag that grows with the square of the speed (quadratic-drag).",
     ),
-    "consistent": ("✓ Consistent.", "use the model as it is", "Nowhere: nothing is left that follows", "no parameter has moved"),
+    "consistent": ("✓ Consistent.", "use the model as it is", "Nowhere: nothing is left", "no parameter has moved"),
     "unexplained": ("▲ Unexplained.", "do not rely on the model", "Ten times the noise is left in multisine.csv."),
 }
 ORDER = (
