@@ -104,7 +104,7 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
             continue
         motion = find_free_motion(r)
         asked += motion.notes
-        asked += [_Asked(r, x, None, (d.start, d.stop)) for d in motion.decays]
+        asked += [_Asked(r, _alone(r, x, d.start, d.stop), None, (d.start, d.stop)) for d in motion.decays]
         drive = drive_of(r)
         if drive is None or np.ptp(drive.samples) == 0 or drive.is_silent:
             if not motion.decays:
@@ -114,7 +114,7 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
         elif kind_of(r, motion.decays, drive.noise) == "broadband":
             asked.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
         else:
-            asked += [_Asked(r, x, drive, samples) for samples in _between(motion.decays, r.n)]
+            asked += [_Asked(r, x.part(*samples), drive, samples) for samples in _between(motion.decays, r.n)]
     results = list(pool().map(lambda one: (None, [one]) if isinstance(one, str) else _evaluated(one), asked))
     found = [evaluated for evaluated, _ in results if evaluated is not None]
     free, forced = ([e for e in found if (e.mass is None) == is_free] for is_free in (True, False))
@@ -140,7 +140,7 @@ def analysis_or_none(recordings: Sequence[Recording]) -> HilbertAnalysis:
 
 @dataclass(frozen=True, eq=False)
 class _Asked:
-    """A stretch, by its first and last sample but one, of a recording's displacement and of what drives it."""
+    """A stretch of a recording, by its first and last sample but one: its displacement, and what drives the whole."""
 
     recording: Recording
     displacement: Signal
@@ -155,6 +155,16 @@ class _Evaluated:
     stretch: Stretch
     curve: ModalCurve
     mass: MassFit | None
+
+
+def _alone(recording: Recording, whole: Signal, start: int, stop: int) -> Signal:
+    """Displacement of a decay, integrated from its own beginning: a pluck before it is a jump to any integral."""
+    if recording.quantity == "displacement":
+        return whole.part(start, stop)
+    try:
+        return displacement(recording.slice(start, stop))
+    except BadInput:  # too short to find its own frequency
+        return whole.part(start, stop)
 
 
 def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
@@ -182,7 +192,7 @@ def _evaluated(asked: _Asked) -> tuple[_Evaluated | None, list[str]]:
             if samples[0] == samples[1]:
                 return None, []
             begin = r.start + samples[0] / r.fs
-        part = asked.displacement.part(*samples)
+        part = asked.displacement.part(samples[0] - asked.samples[0], samples[1] - asked.samples[0])
         mass = driven = None
         if drive is None:
             stretch = before_stop(decay_stretch(part))
