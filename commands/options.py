@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from ..errors import BadInput
+
 if TYPE_CHECKING:
     from ..model.fit_state import MostLeft
 
@@ -248,9 +250,21 @@ def with_known_values(command: Callable[..., Any]) -> Callable[..., Any]:
         help="Parameter that keeps a value, in SI or with a unit (friction=0.15N); several times.",
     )
     mass = click.option(
-        "--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known."
+        "--mass",
+        metavar="KG",
+        callback=lambda _context, _option, value: None if value is None else _in_kg(value),
+        help="Moving mass, in kg or such as 270g, where only decays were recorded or it is known.",
     )
     return fix(mass(command))
+
+
+def _in_kg(given: str) -> float:
+    from ..model.quantity import in_unit
+
+    try:
+        return in_unit(given, "kg", "the mass")
+    except BadInput as problem:
+        raise click.BadParameter(str(problem)) from None
 
 
 def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:

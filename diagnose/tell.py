@@ -230,7 +230,8 @@ def _survivors(found: Found, best: Oscillator) -> dict[str, Oscillator]:
     others = [c for c in found.candidates.values() if c.stage == "judged" and c.laws]
     others = [c for c in others if not set(c.laws) >= set(selected.laws) or not selected.laws]
     for candidate in sorted(others, key=lambda c: -c.value)[:3]:
-        name = next((law for law in candidate.laws if law not in selected.laws), "less")
+        without = next((law for law in selected.laws if law not in candidate.laws), "")
+        name = next((law for law in candidate.laws if law not in selected.laws), f"no {without}")
         if candidate.fit is not None:
             models.setdefault(name, candidate.fit.model)
     return models

@@ -213,7 +213,8 @@ def _range(signal: np.ndarray, factor: float, unit: str) -> str:
     from ..model.display import Scale, scale_of
 
     ends = signal.min(), signal.max()
-    scale = scale_of(unit, np.array(ends)) if factor == 1.0 else Scale(factor, unit)
+    as_it_is = factor != 1.0 or unit.startswith("rad")  # what was recorded in rad is read in rad
+    scale = Scale(factor, unit) if as_it_is else scale_of(unit, np.array(ends))
     low, high = (f"{scale.factor * end:.4g}" for end in ends)
     return f"{low} to {high} {scale.unit}"
 

@@ -226,7 +226,7 @@ def _notes(found: Information, recordings: Sequence[Recording], model: Oscillato
         notes.append(
             f"Eq. 17 at its start values leaves {found.over_noise[worst]:.2g} times the noise, "
             f"{100 * found.left[worst]:.2g} % of the motion, in {name}: either the start is not near, or the rig has "
-            "physics that Eq. 17 lacks (dashpot diagnose); the errors below are rough"
+            "physics that Eq. 17 lacks (dashpot diagnose); the errors are rough"
         )
     unused = sorted(set(range(len(recordings))) - {segment.recording for segment in found.segments})
     notes += [f"nothing in {recordings[i].name} can be used" for i in unused]

@@ -45,7 +45,7 @@ def scale_of(unit: str, values: np.ndarray | float) -> Scale:
         return Scale(1.0, pretty_unit(unit))
     # from 0.1 on: an axis to 0.3 N reads better than one to 300 mN
     power = 3 * math.floor(math.log10(largest / 0.1) / 3)
-    power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
+    power = min(max(power, min(_PREFIXES)), 0 if unit.startswith("m/") else max(_PREFIXES))  # nobody reads km/s2
     return Scale(10.0**-power, _PREFIXES[power] + pretty_unit(unit))
 
 

@@ -215,8 +215,8 @@ class Shift:
     Attributes:
         name: of the parameter.
         before, after: with standard errors.
-        errors: (before - after) in standard errors of ``after``; None where that has none.
-        percent: (before - after) in percent of ``after``; None where that is zero.
+        errors: (after - before) in standard errors of ``after``; None where that has none.
+        percent: (after - before) in percent of ``before``; None where that is zero.
     """
 
     name: str
@@ -253,10 +253,10 @@ def shifts(diagnosis: Diagnosis) -> tuple[Shift, ...]:
         if name not in after:
             continue
         new = after[name]
-        apart = old.value - new.value
+        apart = new.value - old.value
         sure = new.std is not None and math.isfinite(new.std) and new.std > 0 and math.isfinite(apart)
         errors = apart / new.std if sure and new.std else None
-        percent = 100 * apart / abs(new.value) if math.isfinite(apart) and new.value else None
+        percent = 100 * apart / abs(old.value) if math.isfinite(apart) and old.value else None
         moved.append(Shift(name, old, new, errors, percent))
     return tuple(moved)
 
@@ -285,7 +285,7 @@ def shift_section(diagnosis: Diagnosis) -> Section:
         )
     head = ("Parameter", "Before", "After", "± std error", "Shift / std error", "Shift", "Unit", "Meaning")
     caption = (
-        f"Before: the given model fitted to the same recordings. Shift: before less after; beyond {BENT:g} standard "
+        f"Before: the given model fitted to the same recordings. Shift: after less before; beyond {BENT:g} standard "
         "errors a parameter had been standing in for what was missing."
     )
     return Section(title, (Text(_bent_sentence(moved)), Table(head, tuple(rows), (1, 2, 3, 4, 5), caption)))

@@ -175,10 +175,12 @@ def spectrum_chart(recording: Recording, modes: Sequence[Mapping[str, float]], k
 
     response = np.asarray(recording.response, float)
     try:
-        natural = min([mode["frequency_hz"] for mode in modes] or [dominant_frequency(response, recording.fs)])
+        # of a rig that is held and released the strongest line is that of the releases; its speed shows what rings
+        alone = [] if modes else [dominant_frequency(signal, recording.fs) for signal in (response, np.diff(response))]
     except BadInput:
         return None
-    highest = max([mode["frequency_hz"] for mode in modes] or [natural])
+    lines = alone or [mode["frequency_hz"] for mode in modes]
+    natural, highest = min(lines), max(lines)
     f, density = spectral_density(response - np.mean(response), recording.fs, natural, highest)
     if not np.any(density > 0):
         return None
@@ -204,7 +206,7 @@ def _caption(facts: Mapping[str, Any]) -> str:
 
 def _spectrum_caption(modes: Sequence[Mapping[str, float]]) -> str:
     if not modes:
-        return "Spectrum of the response. Modes are told where the motion is free, and none was found here."
+        return "Spectrum of the response. It shows no modes of free motion that could be told apart."
     return "Spectrum of the response; the numbers mark the modes that its free motion shows. Click on one to choose it."
 
 

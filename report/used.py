@@ -97,7 +97,7 @@ def unused(recording: Recording, used: Sequence[tuple[int, int]]) -> list[tuple[
 def _spans(recording: Recording, gaps: Sequence[tuple[int, int]]) -> str:
     largest = sorted(sorted(gaps, key=lambda gap: gap[0] - gap[1])[:_SHOWN])
     ranges = ", ".join(f"{_at(recording, a)} to {_at(recording, b)} s" for a, b in largest)
-    return ranges + (f" and {len(gaps) - _SHOWN} shorter ones" if len(gaps) > _SHOWN else "")
+    return ranges + (f" and {len(gaps) - _SHOWN} more, each shorter" if len(gaps) > _SHOWN else "")
 
 
 def _at(recording: Recording, sample: int) -> str:

@@ -395,6 +395,8 @@ class Search:
         if front.resting:
             short = best - self._paid(front)
             why = f"fitted, it stays {short:.4g} below the best in log-likelihood, its parameters paid for"
+        if not math.isfinite(short):
+            why = f"left after {front.steps} steps: it does not follow the recordings"
         left = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
         _log.info("%s: %s", left.name, why)
         self.candidates[laws] = left
