@@ -82,7 +82,8 @@ def _frequency(force: InnerForce, centre: np.ndarray, a: np.ndarray, intervals: 
     panels, work = _work(force, centre, a, intervals)
     left, right = panels.from_start(work), -panels.to_end(work)
     energy = np.where(panels.angle < np.pi / 2, left, right)  # V(c + A) - V(x), from the nearer turning point
-    rate = 2 * energy / (a[:, None, None] * np.sin(panels.angle)) ** 2
+    x = centre[:, None, None] + a[:, None, None] * np.cos(panels.angle)
+    rate = 2 * energy / force.moving(x) / (a[:, None, None] * np.sin(panels.angle)) ** 2
     there = (panels.width > 0)[..., None]
     held = np.all((rate > 0) | ~there, axis=(1, 2))
     half = panels.integral(1 / np.sqrt(np.where((rate > 0) & there, rate, 1.0)))

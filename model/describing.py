@@ -131,15 +131,15 @@ class HarmonicMotion:
 
     Attributes:
         omega0: natural frequency of the linear spring, rad/s.
-        remembers: whether a law has a memory, so that the stiffness depends on the frequency.
+        remembers: whether a law has a memory or a mass, so that the stiffness depends on the frequency.
     """
 
     def __init__(self, oscillator: Oscillator) -> None:
         plain, memory = without_memory(oscillator)
         self.omega0 = oscillator.omega0.value
-        self.remembers = memory is not None
         self._unit = oscillator.response.displacement_unit
         self._force = InnerForce(plain)
+        self.remembers = memory is not None or self._force.carries
         self._memory = None if memory is None else Memory(memory)
 
     def natural(self, amplitude: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
@@ -162,7 +162,8 @@ class HarmonicMotion:
 
         panels = split_panels(surfaces, a.size, 2 * np.pi, _INTERVALS)
         cos, sin = np.cos(panels.angle), np.sin(panels.angle)
-        f = force(a[:, None, None] * cos, -(a * w)[:, None, None] * sin)
+        x = a[:, None, None] * cos
+        f = force(x, -(a * w)[:, None, None] * sin, -((w**2)[:, None, None]) * x)
         stiffness = panels.integral(f * cos) / (np.pi * a)
         damping = -panels.integral(f * sin) / (np.pi * a * w)
         if self._memory is not None:

@@ -64,6 +64,8 @@ class Equations:
         reaches: how far each of them goes, as an expression of p.
         recorded: which quantity the response is.
         payload: whether the last parameter is a mass beyond the identified one.
+        moving: the mass that moves, in parts of that of Eq. 17: beyond 1 where a law's force is in proportion to the
+            acceleration.
     """
 
     z: Expression
@@ -87,6 +89,7 @@ class Equations:
     reaches: Expression = None
     recorded: str = "displacement"
     payload: bool = False
+    moving: Expression = 1.0
 
     @property
     def follows(self) -> tuple[int | None, ...]:
@@ -171,7 +174,8 @@ def equations_of(structure: Structure) -> Equations:
     ways = structure.dependences
     value |= {of: strength_at(ways, of, value[of], value, channels) for of in {one.of for one in ways}}
     shown = "displacement" if structure.imposed else structure.recorded
-    motion = Motion(x=x - value[ORIGIN] if structure.imposed else x, v=v, t=t, recorded=shown)
+    a, sized = (u, value[INERTIA]) if structure.imposed else (ca.SX.sym("a"), 1.0)
+    motion = Motion(x - value[ORIGIN] if structure.imposed else x, v, t, shown, a=a, mass=sized)
     terms = [(law, {q.name: value[f"{law.name}.{q.name}"] for q in law.parameters}) for law in structure.laws]
     taken: list[tuple[Expression, Expression]] = []  # the force of each law and what it has stored
 
@@ -190,13 +194,17 @@ def equations_of(structure: Structure) -> Equations:
     motion.force = drive
     inner = sum(ask(law, value) for law in (MEMBERS if structure.imposed else BASE))
     inner += sum(ask(law, own) for law, own in terms if law.force)
+    moving = ca.SX(1)
+    if not structure.imposed:
+        inner, moving = _explicit(inner, a)
     if structure.imposed:  # the input is the acceleration of the motion that is given
         acceleration, inner = u, inner + value[INERTIA] * u
     elif structure.payload:  # the forces are those of the identified mass, whatever moves with it
         total = value["mass"] + value[PAYLOAD]
-        acceleration = drive / total - value["mass"] / total * inner
+        part = value["mass"] / total
+        acceleration = (drive / total - part * inner) / (1 + part * (moving - 1))
     else:
-        acceleration = (drive / value["mass"] if "mass" in value else drive) - inner
+        acceleration = ((drive / value["mass"] if "mass" in value else drive) - inner) / moving
     recorded = {"displacement": x, "velocity": v, "acceleration": acceleration, FORCE: inner}[structure.recorded]
     for law, own in terms:
         if law.record:
@@ -215,12 +223,15 @@ def equations_of(structure: Structure) -> Equations:
     y = ca.vertcat(recorded, x, v, acceleration)
 
     mass = value.get("mass", 1.0)
-    moving = value[INERTIA] if structure.imposed else 1
+    kinetic = value[INERTIA] if structure.imposed else 1
     forces, stored = (ca.vertcat(*column) for column in zip(*taken, strict=True))
+    if not structure.imposed:
+        forces = ca.substitute(forces, a, acceleration)
     storing = ca.jtimes(stored, ca.vertcat(scalars, t), ca.vertcat(zdot, 1))
-    energy = mass * (moving * v**2 / 2 + ca.sum1(stored)) + (value[PAYLOAD] * v**2 / 2 if structure.payload else 0)
+    energy = mass * (kinetic * v**2 / 2 + ca.sum1(stored)) + (value[PAYLOAD] * v**2 / 2 if structure.payload else 0)
     dissipated = mass * ca.sum1(forces * v - storing)  # law by law, so that a spring cancels before anything is summed
-    zdot, g, y, drive, energy, dissipated = ca.substitute([zdot, g, y, drive, energy, dissipated], [scalars], [z])
+    made = [zdot, g, y, drive, energy, dissipated, moving]
+    zdot, g, y, drive, energy, dissipated, moving = ca.substitute(made, [scalars], [z])
     g_rate = ca.jtimes(g, z, zdot) + ca.jtimes(g, t, ca.SX(1)) + ca.jtimes(g, u, u_rate)
     return Equations(
         z=z,
@@ -243,8 +254,24 @@ def equations_of(structure: Structure) -> Equations:
         reaches=ca.vertcat(ca.SX(0, 1), *(motion.reaches[i] for i in order)),
         recorded=structure.recorded,
         payload=structure.payload,
+        moving=moving,
         output_names=(FORCE if structure.imposed else "x", "displacement", "velocity", "acceleration"),
     )
+
+
+def _explicit(inner: Expression, a: Expression) -> tuple[Expression, Expression]:
+    """The force per unit mass at no acceleration, and the mass that moves, in parts of that of Eq. 17.
+
+    Raises BadInput where the force is not in proportion to the acceleration: the equation is then not explicit.
+    """
+    import casadi as ca
+
+    if not ca.depends_on(inner, a):
+        return inner, ca.SX(1)
+    slope = ca.jacobian(inner, a)
+    if ca.depends_on(slope, a):
+        raise BadInput("a law's force is not in proportion to motion.a; write motion.a times what does not hold it")
+    return ca.substitute(inner, a, ca.SX(0)), 1 + slope
 
 
 def _stored(law: Law, motion: Motion, own: Mapping[str, Expression]) -> Expression:

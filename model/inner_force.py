@@ -52,9 +52,14 @@ class InnerForce:
         values = oscillator.values()
         known = ca.vertcat(eq.t, eq.u, eq.u_rate, eq.p)
         given = ca.DM([0.0, 0.0, 0.0, *(values[name] for name in eq.parameter_names)])
-        force = ca.substitute(-eq.zdot[1], known, given)  # at u = 0 the acceleration is minus the inner force
+        a = ca.SX.sym("a")
+        force = (eq.moving - 1) * a - eq.moving * eq.zdot[1]  # at u = 0 the acceleration is minus the inner force
+        force, moving = (ca.substitute(part, known, given) for part in (force, ca.SX(eq.moving)))
+        #: Whether a mass beyond that of Eq. 17 moves, whose force is in proportion to the acceleration.
+        self.carries = not eq.moving.is_constant()
+        self._moving = ca.Function("moving", [eq.z], [ca.densify(moving)])
         surfaces = ca.substitute(signed(eq, eq.surfaces), known, given)
-        self._force = ca.Function("force", [eq.z, eq.s], [force])
+        self._force = ca.Function("force", [eq.z, eq.s, a], [force])
         self._surfaces = ca.Function("surfaces", [eq.z], [surfaces])
         self._no_signs = ca.DM(0, 1)
         self._on_velocity = np.array([kind == SurfaceKind.VELOCITY for kind in eq.kinds], dtype=bool)
@@ -65,10 +70,17 @@ class InnerForce:
             return np.zeros((0, x.size))
         return np.array(self._surfaces(np.stack([x, v])))
 
-    def __call__(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """Force per unit mass at displacements and velocities of any one shape, in their unit per s²."""
+    def __call__(self, x: np.ndarray, v: np.ndarray, a: np.ndarray | None = None) -> np.ndarray:
+        """Force per unit mass at displacements, velocities and accelerations of any one shape, in their unit per s².
+
+        Without accelerations these are zero; only a mass beyond that of Eq. 17 feels them.
+        """
         z = np.stack([np.ravel(x), np.ravel(v)])
-        return self._evaluate(z, np.sign(self.surfaces(z[0], z[1]))).reshape(x.shape)
+        return self._evaluate(z, np.sign(self.surfaces(z[0], z[1])), a).reshape(x.shape)
+
+    def moving(self, x: np.ndarray) -> np.ndarray:
+        """The mass that moves at displacements of any shape, in parts of that of Eq. 17."""
+        return np.array(self._moving(np.stack([np.ravel(x), np.zeros(x.size)]))).reshape(x.shape)
 
     def static(self, x: np.ndarray) -> np.ndarray:
         """Force at rest without friction: velocity zero, and every sign of the velocity zero too."""
@@ -77,5 +89,6 @@ class InnerForce:
         s[self._on_velocity] = 0.0
         return self._evaluate(z, s).reshape(x.shape)
 
-    def _evaluate(self, z: np.ndarray, s: np.ndarray) -> np.ndarray:
-        return np.array(self._force(z, s)) if s.size else np.array(self._force(z, self._no_signs))
+    def _evaluate(self, z: np.ndarray, s: np.ndarray, a: np.ndarray | None = None) -> np.ndarray:
+        pulled = 0.0 if a is None else np.ravel(a)[None]
+        return np.array(self._force(z, s if s.size else self._no_signs, pulled))

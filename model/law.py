@@ -124,6 +124,8 @@ class Motion:
         t: time in s.
         recorded: what the recordings show: displacement, velocity or acceleration.
         force: that reaches the mass, for what is recorded beside it.
+        a: acceleration, which a force may be in proportion to: of a mass beyond that of Eq. 17.
+        mass: of Eq. 17, as forces are counted: 1 per unit mass, of an element what moves with it.
         surfaces: expressions whose sign changes the law; filled by ``sign``.
         signs: one symbol per surface.
         states, symbols, rates, reaches, owners: inner states and the law of each, filled by ``state``.
@@ -135,6 +137,8 @@ class Motion:
     t: Expression
     recorded: str = "displacement"
     force: Expression = 0.0
+    a: Expression = 0.0
+    mass: Expression = 1.0
     surfaces: list[Expression] = field(default_factory=list)
     signs: list[Expression] = field(default_factory=list)
     states: list[InnerState] = field(default_factory=list)

@@ -179,7 +179,7 @@ def fault(
     """
     import casadi as ca
 
-    given = [motion.x, motion.v, motion.t, signal]
+    given = [motion.x, motion.v, motion.t, signal, motion.a if isinstance(motion.a, ca.SX) else ca.SX.sym("a")]
     energy = [] if stored is None else [stored]
     results = ca.SX(ca.vertcat(made, *motion.rates, *energy, *motion.surfaces))
     inputs = [ca.SX(ca.vertcat(*part)) for part in (given, own.values(), motion.symbols, motion.signs)]
@@ -197,6 +197,7 @@ def fault(
     for values in [typical, *_at_bounds(law.parameters, typical)]:
         for x, v, t, s, sign in product((0.0, 1.0, -1.0), (0.0, 1.0, -1.0), (0.0, 1.0), (0.0, 1.0, -1.0), (1.0, -1.0)):
             at = [x * scales.length, v * scales.length * scales.omega, t * scales.duration, s * scales.response]
+            at.append(-x * scales.length * scales.omega**2)
             numbers = function(at, values, [0.0] * len(motion.symbols), [sign] * len(motion.signs))
             if not all(math.isfinite(number) for number in ca.DM(numbers).full().ravel()):
                 shown = ", ".join(f"{p.name} = {value:g}" for p, value in zip(law.parameters, values, strict=True))
@@ -232,13 +233,14 @@ def _wrong_unit(
         def size(unit: str, symbol: str = symbol) -> float:
             return float(_OTHERWISE ** factors(unit).get(symbol, 0))
 
-        by = np.array([size("X"), size("X/s"), size("s"), size("Q" if law.drive else "Y")])
+        by = np.array([size("X"), size("X/s"), size("s"), size("Q" if law.drive else "Y"), size("X/s2")])
         parameters, states = np.array([size(p.unit) for p in law.parameters]), np.array([size(u) for u in inner])
         wanted = np.array([size(main), *(states / size("s")), *([size("X2/s2")] if stored else [])])
         names = ["it", *(f"the rate of its state {state.name!r}" for state in motion.states), "what it has stored"]
         for _ in range(_POINTS):
-            at = random.uniform(-1.0, 1.0, 4)
-            at *= [scales.length, scales.length * scales.omega, scales.duration, scales.response]
+            at = random.uniform(-1.0, 1.0, 5)
+            at *= [scales.length, scales.length * scales.omega, scales.duration, scales.response, 1.0]
+            at[4] *= scales.length * scales.omega**2
             hidden = scales.length * random.uniform(-1.0, 1.0, len(inner))
             signs = random.choice([1.0, -1.0], len(motion.signs))
             given = np.array(function(at, values, hidden, signs)).ravel()[: wanted.size] * wanted
@@ -285,7 +287,7 @@ def trial(law: Law, where: str) -> None:
     import casadi as ca
 
     own = {p.name: ca.SX.sym(p.name) for p in law.parameters}
-    motion = Motion(x=ca.SX.sym("x"), v=ca.SX.sym("v"), t=ca.SX.sym("t"))
+    motion = Motion(x=ca.SX.sym("x"), v=ca.SX.sym("v"), t=ca.SX.sym("t"), a=ca.SX.sym("a"))
     values = {p.name: 1.0 for base in BASE for p in base.parameters}
     values |= {"mass": 1.0, **{f"{law.name}.{p.name}": p.natural(_SCALES) for p in law.parameters}}
     try:

@@ -24,6 +24,9 @@ _WORDS = {
     "free/spring": ("Restoring force per unit mass", "Displacement"),
     "free/damping": ("Resistance per unit mass", "Velocity"),
     "free/surface": ("Damping", "Displacement"),
+    "free/inertia": ("Moving mass over that of Eq. 17", "Displacement"),
+    "free/drive": ("Force that reaches the mass", "Recorded force"),
+    "free/sensor": ("What the sensor shows", "What reaches it"),
 }
 
 
@@ -40,18 +43,21 @@ def learnt_section(diagnosis: Diagnosis) -> Section:
 
 def learnt_figure(model: Oscillator, curve: LearntCurve, forms: list[ClosedForm]) -> Chart:
     """Chart of the whole curve, and of it without its straight line; form values over it."""
-    unit = model.response.displacement_unit
-    across = scale_of(units.compose("X/s", unit) if curve.variable == "v" else unit, curve.at)
-    force = units.compose("1/s" if curve.times else "X/s2", unit)
+    kind, response = curve.kind, model.response
+    over_unit, force = (
+        units.compose(template, response.displacement_unit, model.force_unit, response.unit)
+        for template in (kind.over, kind.unit)
+    )
+    across = scale_of(over_unit, curve.at)
     what, over = _WORDS[curve.effect]
     chart = Chart(f"learnt-{curve.effect.partition('/')[2]}", f"{what} over {over.lower()} in {across.unit}")
     whole, bent = chart.row(1, 1, height=290)
-    straight = np.ones(curve.at.size) if curve.times else curve.at
+    straight = np.ones(curve.at.size) if kind.times else curve.at
     slope = float(straight @ curve.value / (straight @ straight))
     shown, room = curve.at * across.factor, _NORMAL * curve.std
     for panel, part, title in (
         (whole, 0.0, what),
-        (bent, slope, "… without its mean" if curve.times else "… without a straight line"),
+        (bent, slope, "… without its mean" if kind.times else "… without a straight line"),
     ):
         value = curve.value - part * straight
         panel.band(shown, value - room, value + room, MEASURED, "learnt, with 95 %", alpha=0.35)
@@ -66,7 +72,7 @@ def learnt_figure(model: Oscillator, curve: LearntCurve, forms: list[ClosedForm]
 
 def _caption(forms: list[ClosedForm]) -> str:
     words = (
-        "The whole force with Eq. 17's part, over what was recorded; beyond that the model goes on in a straight line, "
+        "The whole with Eq. 17's part, over what was recorded; beyond that the model goes on in a straight line, "
         "which nothing speaks for."
     )
     if not forms:

@@ -24,27 +24,38 @@ class Along:
     """What a law makes of a motion that is given.
 
     For a force law with strengths the values are its derivatives with respect to these, one column each (the
-    force is proportional to them); else its force; for a law on the force's path the force that arrives.
+    force is proportional to them); else its force; for a law on the force's path the force that arrives, and behind it
+    the derivatives with respect to strengths; for a sensor's curve that is learnt what these add to a displacement.
     """
 
     def __init__(self, law: Law, recorded: str = "displacement") -> None:
         import casadi as ca
 
         self.law = law
-        x, v, t, u = (ca.SX.sym(name) for name in "xvtu")
-        motion = Motion(x=x, v=v, t=t, recorded=recorded)
+        x, v, t, u, a = (ca.SX.sym(name) for name in "xvtua")
+        motion = Motion(x=x, v=v, t=t, recorded=recorded, a=a)
         p = ca.SX.sym("p", len(law.parameters))
         given = {parameter.name: p[i] for i, parameter in enumerate(law.parameters)}
-        made = law.drive(motion, given, u) if law.drive else law.force(motion, given) if law.force else ca.SX(0)
+        made: Expression = ca.SX(0)
+        if law.drive:
+            made = law.drive(motion, given, u)
+        elif law.force:
+            made = law.force(motion, given)
+        elif law.record and law.learnt:
+            made = law.record(motion, given, x)
         inner = ca.vertcat(ca.SX(0, 1), *motion.symbols)
         rates = ca.vertcat(ca.SX(0, 1), *motion.rates)
         strengths = [i for i, parameter in enumerate(law.parameters) if parameter.strength]
-        values = ca.jacobian(made, p)[:, strengths].T if strengths and law.force else made
-        slopes = ca.densify(ca.jacobian(rates, inner)) if inner.numel() else ca.SX(0, 0)
+        slopes = ca.jacobian(made, p)[:, strengths].T
+        values = ca.vertcat(made, slopes) if law.drive else slopes if strengths else made
+        turning = ca.densify(ca.jacobian(rates, inner)) if inner.numel() else ca.SX(0, 0)
         inputs = [inner, ca.vertcat(x, v, t, u), p, ca.vertcat(ca.SX(0, 1), *motion.signs)]
         #: Whether it does the same all the time, whatever the motion.
-        self.constant = not ca.depends_on(values, ca.vertcat(x, v, t, u, inner, *motion.signs))
-        self._slopes = ca.Function("slopes", inputs, [slopes])
+        self.constant = not ca.depends_on(values, ca.vertcat(x, v, t, u, a, inner, *motion.signs))
+        self._carried = ca.depends_on(values, a)
+        if self._carried:  # at the place of the recorded force, which no force of the motion is made of
+            values = ca.substitute(values, a, u)
+        self._slopes = ca.Function("slopes", inputs, [turning])
         self._reaches = ca.Function("reaches", [p], [ca.vertcat(ca.SX(0, 1), *motion.reaches)])
         self._signs = len(motion.signs)
         if motion.signs:
@@ -99,6 +110,8 @@ class Along:
             parts: steps of the inner states from point to point; as many as they ask for where None.
         """
         motion = np.ascontiguousarray(motion, float)
+        if self._carried:
+            motion = np.column_stack([motion[:, :3], np.gradient(motion[:, 1], dt)])
         p = np.array([parameters[parameter.name] for parameter in self.law.parameters])
         begin = np.array([0.0 if leader is None else motion[0, leader] for leader in self.follows] or [0.0])
         begin += shift

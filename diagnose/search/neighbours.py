@@ -98,6 +98,12 @@ def with_shapes(start: Start) -> Entry | None:
     return Entry(start.laws, start.model, start.fitted.initial, start.fitted.offsets, others)
 
 
+def each_learnt(leader: Candidate, laws: Sequence[Law], data: Data) -> list[Entry]:
+    """The leader with each of some learnt laws; where none with a cause leads, with a spring and a damping too."""
+    together = [] if leader.laws or not laws else [tuple(law for law in laws if law.effect != "free/surface")]
+    return [with_learnt(leader, put, data, PATIENCE * len(put)) for put in (*zip(laws), *together)]
+
+
 def with_learnt(beside: Candidate, laws: Sequence[Law], data: Data, patience: int) -> Entry:
     """A fitted structure with laws that are learnt, at nothing: what they are linear in, the first step finds."""
     assert beside.fit is not None

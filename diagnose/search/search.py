@@ -36,7 +36,7 @@ from .found import Found, Weighing
 from .judgement import accepted, first_of_several, leading, needed_in_samples, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
-from .neighbours import dropped, entered_again, finer, kept, more_general, with_learnt, with_shapes
+from .neighbours import dropped, each_learnt, entered_again, finer, kept, more_general, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
 from .starts import Proposal, by_motion, by_score, by_zeros, unseen_in_motion
 from .weigh import foreseen_loss, judged
@@ -56,7 +56,7 @@ _ASKED = {
     "_less_scored": "laws of lower scores",
     "_predicted": "prediction over a cycle",
     "_rugged": "laws with side valleys",
-    "_learnt": "a smooth spring and damping, learnt",
+    "_learnt": "curves that are learnt: spring, damping, mass, drive, sensor",
 }
 
 
@@ -288,29 +288,31 @@ class Search:
         return self._raced(family, by_probing(family.fit, leader.fit, self.data, rugged))
 
     def _learnt(self, leader: Candidate) -> list[Start]:
-        """Laws that are learnt, each beside the leader; where none with a cause leads, all together too; raced."""
-        assert leader.fit is not None
+        """Curves beside the leader, raced; of mass, drive and sensor where the measured motion speaks for them."""
         every = self._addable(leader, learnt=True)
-        laws = [law for law in every if law.name not in {other.finer for other in every}]  # those are gone on to
-        together = [] if leader.laws or not laws else [tuple(law for law in laws if law.effect != "free/surface")]
-        entries = [with_learnt(leader, put, self.data, PATIENCE * len(put)) for put in (*zip(laws), *together)]
-        entries = [entry for entry in entries if entry.laws not in self.candidates]
-        self._race(starts := self._started(entries), leader.fit)
-        return starts
+        coarse = [law for law in every if law.name not in {other.finer for other in every}]  # those are gone on to
+        smooth = [law for law in coarse if law.path in ("restoring", "dissipation")]
+        entries = [entry for entry in each_learnt(leader, smooth, self.data) if entry.laws not in self.candidates]
+        others = [p for p in self._spoken_for(leader, coarse) if find(p.law) not in smooth]
+        others = [p for p in others if key((*leader.laws, p.law)) not in self.candidates]
+        return self._raced(leader, others, self._started(entries))
+
+    def _spoken_for(self, leader: Candidate, laws: Sequence[Law]) -> list[Proposal]:
+        """Of laws those that gain half as much on the measured motion as the best of them."""
+        assert leader.fit is not None
+        proposals = by_motion(leader.fit, self.data, laws)
+        best = max((proposal.gain for proposal in proposals), default=0.0)
+        return [proposal for proposal in proposals if proposal.gain > HALF * best]
 
     def _from_motion(self, leader: Candidate, laws: Sequence[Law], beside: Sequence[Start]) -> list[Start]:
         """Of laws that the measured motion speaks for, those that gain half as much there as the best; with others."""
-        assert leader.fit is not None
         self.progress("regression on the measured motion", 0.0)
-        proposals = by_motion(leader.fit, self.data, laws)
-        best = max((proposal.gain for proposal in proposals), default=0.0)
-        return self._raced(leader, [p for p in proposals if p.gain > HALF * best], beside)
+        return self._raced(leader, self._spoken_for(leader, laws), beside)
 
     def _raced(self, leader: Candidate, proposals: Sequence[Proposal], beside: Sequence[Start] = ()) -> list[Start]:
         """The leader with one law more, where that was proposed, raced; with others."""
         assert leader.fit is not None
-        starts = [*beside, *self._added(leader, proposals)]
-        self._race(starts, leader.fit)
+        self._race(starts := [*beside, *self._added(leader, proposals)], leader.fit)
         return starts
 
     def _arrived(self, leader: Candidate, starts: Sequence[Start]) -> list[Candidate]:

@@ -191,6 +191,11 @@ class Regression:
             np.tile(std, view.starts.size),
         )
 
+    def _shown(self, view: Windows, bend: np.ndarray) -> np.ndarray:
+        """What the equation of motion lacks where a sensor adds ``bend`` to the displacement: to first order."""
+        omega, viscous = self.model.omega0.value, self.model.viscous.value
+        return -(view.project(bend, 2) + viscous * view.project(bend, 1) + omega**2 * _project(view, bend))
+
     @property
     def _base(self) -> int:
         """Columns that are there whatever the law."""
@@ -207,7 +212,9 @@ class Regression:
 
     def _probed(self, law: Law) -> list[Guess]:
         """Those of a law's probes that the regression can carry, the best first."""
-        if law.record is not None or (law.drive is not None and not self.forced) or not self.rows:
+        if (law.drive is not None and not self.forced) or not self.rows:
+            return []
+        if law.record is not None and not (law.learnt and all(not s.order for s in self.data.segments)):
             return []
         solved = [self.at(law, probe) for probe in probes(law, self.data.scales)]
         return sorted((guess for guess in solved if guess is not None), key=lambda guess: guess.misfit)
@@ -296,18 +303,19 @@ class Regression:
         solutions: list[tuple[_Rows, np.ndarray, np.ndarray, np.ndarray]] = []
         along = along_of(law)
         values = {p.name: float(probe.get(p.name, 1.0)) for p in law.parameters}
-        for p in strengths[:1]:
+        for p in strengths[:1] if law.drive is None else ():
             values[p.name] = 1.0  # a contact is there: its derivatives are those of one that pushes
         for rows in self.rows:
             columns, own = rows.columns, rows.own
             made = along(values, rows.motion, 1.0 / rows.view.fs)
             if not np.max(np.abs(made)) < _ABSURD:  # an unstable inner state, or none
                 return None
-            projected = [_project(rows.view, signal).ravel() for signal in made]
+            project = self._shown if law.record else _project
+            projected = [project(rows.view, signal).ravel() for signal in made]
             if along.phases:
                 own = np.column_stack([own, *_quadratures(law, values, rows.motion, rows.view, 1.0 / rows.view.fs)])
             elif law.drive is not None:
-                columns = columns.copy()
+                columns = np.column_stack([columns, *projected[1:]])
                 columns[:, 0] = projected[0]
             else:
                 columns = np.column_stack([columns, *projected])
@@ -341,7 +349,8 @@ class Regression:
         values |= {"preload": float(solved[4]), "dry": float(solved[5])}
         if self.forced and self.model.mass is not None:
             values["mass"] = -1.0 / float(solved[0])
-        own = dict(probe) | {p.name: float(s) for p, s in zip(strengths, solved[self._base :], strict=False)}
+        sizes = solved[self._base :] / (1.0 if law.drive is None else solved[0])  # what a drive adds is force too
+        own = dict(probe) | {p.name: float(s) for p, s in zip(strengths, sizes, strict=False)}
         phases: dict[int, float] = {}
         if along.phases:
             own[strengths[0].name], phases = _amplitude(solutions, solved)

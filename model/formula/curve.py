@@ -2,39 +2,71 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import BadInput
-from ..law import Motion
+from ..law import Expression, Law, Motion
 from ..oscillator import Oscillator, Term
 
 #: Points of a curve over the recorded range: far more than knots.
 _POINTS = 121
-#: Of Eq. 17 what a learnt term has its curve beside, and as which power of the variable.
-_BESIDE = {"free/spring": {"omega0": 1, "cubic": 3}, "free/damping": {"viscous": 1}, "free/surface": {"viscous": 0}}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What the curve of a learnt law is.
+
+    Attributes:
+        variable: ``x`` displacement, ``v`` velocity, ``F`` recorded force, ``r`` what reaches the sensor.
+        over: template of its unit.
+        unit: template of the curve's unit.
+        beside: of Eq. 17 what it stands beside, and as which power of the variable.
+        times: what the curve is a factor of, ``v`` or ``x''``; its plainest form is then a constant and no line.
+        mass: 1 where the plainest form is the mass of Eq. 17, -1 where it is a gain, in whose place the mass stands.
+    """
+
+    variable: str
+    over: str
+    unit: str
+    beside: Mapping[str, int] = field(default_factory=dict)
+    times: str = ""
+    mass: int = 0
+
+
+#: Of each learnt law, by its effect; a mass is told in parts of that of Eq. 17.
+KINDS: dict[str, Kind] = {
+    "free/spring": Kind("x", "X", "X/s2", {"omega0": 1, "cubic": 3}),
+    "free/damping": Kind("v", "X/s", "X/s2", {"viscous": 1}),
+    "free/surface": Kind("x", "X", "1/s", {"viscous": 0}, times="v"),
+    "free/inertia": Kind("x", "X", "1", times="x''", mass=1),
+    "free/drive": Kind("F", "Q", "Q", mass=-1),
+    "free/sensor": Kind("r", "Y", "Y", mass=-1),
+}
 
 
 @dataclass(frozen=True, eq=False)
 class LearntCurve:
-    """A force per unit mass over x or x', or a damping over x.
+    """A force per unit mass over x or x', a damping or a mass over x, or a map of the drive or of the sensor.
 
     Attributes:
         effect: of the learnt term.
-        variable: ``x`` or ``v``.
         at: (n,) where, in the unit of the variable, over what was recorded.
         value: (n,) of the curve.
         covariance: (n, n).
-        times: ``v`` where the force is the curve times the velocity, else empty.
     """
 
     effect: str
-    variable: str
     at: np.ndarray
     value: np.ndarray
     covariance: np.ndarray
-    times: str = ""
+
+    @property
+    def kind(self) -> Kind:
+        """What it is."""
+        return KINDS[self.effect]
 
     @property
     def std(self) -> np.ndarray:
@@ -44,7 +76,7 @@ class LearntCurve:
 
 def learnt_terms(model: Oscillator) -> list[Term]:
     """The terms of a model whose shape was learnt over one variable."""
-    return [term for term in model.terms if term.law.learnt and term.law.effect in _BESIDE and "/" in term.effect[5:]]
+    return [term for term in model.terms if term.law.learnt and term.law.effect in KINDS and "/" in term.effect[5:]]
 
 
 def curve_of(model: Oscillator, term: Term) -> LearntCurve:
@@ -59,27 +91,38 @@ def curve_of(model: Oscillator, term: Term) -> LearntCurve:
     provenance = model.identified
     if provenance is None or provenance.covariance is None:
         raise BadInput("the model has no covariance, which a formula is judged by; identify or diagnose it again")
-    over = "v" if effect == "free/damping" else "x"
+    kind = KINDS[effect]
     own = {name: parameter.value for name, parameter in term.parameters.items()}
     reach = own[law.parameters[-1].name]
     at = reach * np.linspace(-1.0, 1.0, _POINTS)
     q, strengths = ca.SX.sym("q"), [p.name for p in law.parameters if p.strength]
     symbols = {name: ca.SX.sym(name) for name in strengths}
-    motion = Motion(q if over == "x" else ca.SX(0), q if over == "v" else ca.SX(1), ca.SX(0))
-    assert law.force is not None
-    made = law.force(motion, own | symbols)
+    made = _made(law, kind, q, own | symbols)
     slopes = ca.Function("slopes", [q], [ca.jacobian(made, ca.vertcat(*symbols.values())).T])
     each = np.array(slopes.map(_POINTS)(at[None])).reshape(len(strengths), _POINTS, order="F")
     columns = {f"{term.effect}.{name}": column for name, column in zip(strengths, each, strict=True)}
     value = sum(own[name] * columns[f"{term.effect}.{name}"] for name in strengths)
     known = model.values()
-    for name, power in _BESIDE[effect].items():
+    for name, power in kind.beside.items():
         column = at**power
         size = known[name] ** 2 if name == "omega0" else known[name]
         value = value + size * column
         columns[name] = 2.0 * known[name] * column if name == "omega0" else column
+    if kind.mass:
+        value = value + (1.0 if kind.times else at)
+        columns["mass"] = kind.mass * value / known.get("mass", 1.0)
     names = provenance.parameters or tuple(known)
     rows = np.array(provenance.covariance, float)
     jacobian = np.column_stack([columns.get(name, np.zeros(_POINTS)) for name in names])
     covariance = jacobian @ rows @ jacobian.T
-    return LearntCurve(effect, over, at, np.asarray(value), covariance, "v" if effect == "free/surface" else "")
+    return LearntCurve(effect, at, np.asarray(value), covariance)
+
+
+def _made(law: Law, kind: Kind, q: Expression, own: Mapping[str, Expression]) -> Expression:
+    """What a law makes of its variable, of a factor alone, of a map what it adds."""
+    if law.drive or law.record:
+        return (law.drive or law.record)(Motion(0.0, 0.0, 0.0), own, q) - q
+    assert law.force is not None
+    place = 0.0 if kind.variable == "v" else q
+    speed = q if kind.variable == "v" else float(kind.times == "v")
+    return law.force(Motion(place, speed, 0.0, a=float(kind.times == "x''")), own)

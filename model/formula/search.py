@@ -166,7 +166,7 @@ def _target(curve: LearntCurve) -> _Target:
     values, vectors = np.linalg.eigh(curve.covariance)
     kept = values > _RANK * values[-1]
     whitener = (vectors[:, kept] / np.sqrt(values[kept])).T
-    line = np.ones(curve.at.size) if curve.times else curve.at
+    line = np.ones(curve.at.size) if curve.kind.times else curve.at
     pieces = len(ATOMS)
     return _Target(curve.at, whitener, whitener @ curve.value, line, math.log(pieces))
 

@@ -13,7 +13,7 @@ from dashpot.model.formula.closed_form import ClosedForm
 from dashpot.model.user_laws import load_law_file
 
 CONSTANTS = {"c0": Parameter(6340.0, 2.0, "1/s2"), "c1": Parameter(1.2, 0.1, "m/s2"), "a1": Parameter(3e-3, 1e-4, "m")}
-FORM = ClosedForm("free/spring", "x", "", ("tanh",), CONSTANTS, True, 0.0, 9e-3)
+FORM = ClosedForm("free/spring", ("tanh",), CONSTANTS, True, 0.0, 9e-3)
 
 
 def found(*forms: ClosedForm, effects: tuple[str, ...] = ("free/spring",)) -> SimpleNamespace:

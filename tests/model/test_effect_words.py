@@ -41,7 +41,7 @@ def test_an_effect_of_several_variants_is_said_by_words_that_hold_for_all():
         ("dry-friction", "dry friction of constant size (dry-friction)"),
         ("free/spring", "a spring force of a shape that no law of the library has (free/spring)"),
         ("free/surface", "a damping over the displacement that no law of the library has (free/surface)"),
-        ("free/inertia", "free/inertia"),  # which no law stands for
+        ("free/modulation", "free/modulation"),  # which no law stands for
         ("Eq. 17", "Eq. 17"),
         ("", ""),
     ],

@@ -10,7 +10,7 @@ import pytest
 from dashpot.model import Oscillator, Parameter
 from dashpot.model.formula.atoms import ATOMS
 from dashpot.model.formula.closed_form import ClosedForm, closed_forms, law_file
-from dashpot.model.formula.curve import LearntCurve, curve_of, learnt_terms
+from dashpot.model.formula.curve import KINDS, LearntCurve, curve_of, learnt_terms
 from dashpot.model.formula.search import formulas
 from dashpot.model.law import Motion
 from dashpot.model.laws.free_curves import Curve
@@ -49,7 +49,7 @@ def learnt(points, function) -> LearntCurve:
     values, covariance = fitted(points, function)
     at = np.linspace(-1.0, 1.0, 121)
     basis = columns(at)
-    return LearntCurve("free/spring", "x", at, basis @ values, basis @ covariance @ basis.T)
+    return LearntCurve("free/spring", at, basis @ values, basis @ covariance @ basis.T)
 
 
 @pytest.mark.parametrize(
@@ -114,30 +114,42 @@ def test_a_model_s_curve_is_the_whole_force_and_its_errors_those_of_the_covarian
 
 
 @pytest.mark.parametrize("piece", ATOMS)
-@pytest.mark.parametrize(("variable", "times"), [("x", ""), ("v", ""), ("x", "v")])
-def test_each_piece_makes_a_law_file_that_loads_and_is_the_piece(tmp_path: Path, piece, variable, times):
+@pytest.mark.parametrize("effect", KINDS)
+def test_each_piece_makes_a_law_file_that_loads_and_is_the_piece(tmp_path: Path, piece, effect):
     constants = {"c0": Parameter(1.0, 0.1, "1/s2"), "c1": Parameter(0.7, 0.1, "1"), "a1": Parameter(0.3, 0.1, "m")}
-    form = ClosedForm("free/spring", variable, times, (piece,), constants, True, 0.0, 1.0)
-    name = f"learnt-{piece}-{variable}{times}"
+    form, kind = ClosedForm(effect, (piece,), constants, True, 0.0, 1.0), KINDS[effect]
+    name = f"learnt-{piece}-{effect.partition('/')[2]}"
     file = tmp_path / f"{name}.py"
     file.write_text(law_file(form, name), encoding="utf-8")
     (law,) = load_law_file(file)
-    assert law.force is not None
-    x, v, t = (ca.SX.sym(symbol) for symbol in "xvt")
-    motion = Motion(x, v, t)
+    x, v, t, a = (ca.SX.sym(symbol) for symbol in "xvta")
+    motion = Motion(x, v, t, a=a)
     values = {"c1": 0.7, "a1": 0.3}
-    made, energy = law.force(motion, values), None if law.stored is None else law.stored(motion, values)
+    path = law.drive or law.record
+    made = path(motion, values, x) - x if path else law.force(motion, values) if law.force else None
+    assert made is not None
+    energy = None if law.stored is None else law.stored(motion, values)
     signs = ca.vertcat(*motion.signs) if motion.signs else ca.SX(0, 1)
     surfaces = ca.vertcat(*motion.surfaces) if motion.surfaces else ca.SX(0, 1)
     at = ca.Function("surfaces", [x, v], [surfaces])
+    wanted_energy = None
+    if kind.times == "x''":  # what its energy grows by, by Lagrange, at an acceleration of one
+        momentum = ca.gradient(energy, v)
+        wanted_energy = ca.jacobian(momentum, x) * v + ca.jacobian(momentum, v) - ca.gradient(energy, x)
+    made = ca.substitute(made, a, 1)
     force = ca.Function("force", [x, v, signs], [made])
     for place in (-0.9, -0.31, -0.05, 0.12, 0.5, 0.8):
-        speed = 0.6 * place if variable == "x" else place
+        speed = place if kind.variable == "v" else 0.6 * place
         here = np.sign(np.array(at(place, speed))).ravel()
-        q = place if variable == "x" else speed
-        wanted = 0.7 * ATOMS[piece].values(np.array([q]), 0.3)[0] * (speed if times else 1.0)
-        assert float(force(place, speed, here)) == pytest.approx(wanted, rel=1e-12, abs=1e-14)
+        wanted = 0.7 * ATOMS[piece].values(np.array([place if kind.variable != "v" else speed]), 0.3)[0]
+        if wanted_energy is not None:
+            balance = ca.Function("balance", [x, v, signs], [wanted_energy - made])
+            assert float(balance(place, speed, here)) == pytest.approx(0.0, abs=1e-12)
+            assert float(force(place, 0.0, here)) == pytest.approx(wanted, rel=1e-12, abs=1e-14)
+            continue
+        wanted *= speed if kind.times == "v" else 1.0
+        assert float(force(place, speed, here)) == pytest.approx(wanted, rel=1e-11, abs=1e-14)
         if energy is not None:
             slope = ca.Function("slope", [x, v, signs], [ca.gradient(energy, x)])
             assert float(slope(place, speed, here)) == pytest.approx(wanted, rel=1e-10, abs=1e-13)
-    assert (law.stored is not None) == (variable == "x" and not times)
+    assert (law.stored is not None) == (effect in ("free/spring", "free/inertia"))
