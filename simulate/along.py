@@ -47,6 +47,8 @@ class Along:
         rates = ca.vertcat(ca.SX(0, 1), *motion.rates)
         strengths = [i for i, parameter in enumerate(law.parameters) if parameter.strength]
         slopes = ca.jacobian(made, p)[:, strengths].T
+        if law.learnt and strengths:  # in proportion to its heights, but for a mass that these would make too small
+            slopes = ca.substitute(slopes, p[strengths], ca.DM.zeros(len(strengths)))
         values = ca.vertcat(made, slopes) if law.drive else slopes if strengths else made
         turning = ca.densify(ca.jacobian(rates, inner)) if inner.numel() else ca.SX(0, 0)
         inputs = [inner, ca.vertcat(x, v, t, u), p, ca.vertcat(ca.SX(0, 1), *motion.signs)]

@@ -98,7 +98,9 @@ def curve_of(model: Oscillator, term: Term) -> LearntCurve:
     q, strengths = ca.SX.sym("q"), [p.name for p in law.parameters if p.strength]
     symbols = {name: ca.SX.sym(name) for name in strengths}
     made = _made(law, kind, q, own | symbols)
-    slopes = ca.Function("slopes", [q], [ca.jacobian(made, ca.vertcat(*symbols.values())).T])
+    heights = ca.vertcat(*symbols.values())
+    slope = ca.substitute(ca.jacobian(made, heights).T, heights, ca.DM([own[name] for name in strengths]))
+    slopes = ca.Function("slopes", [q], [slope])
     each = np.array(slopes.map(_POINTS)(at[None])).reshape(len(strengths), _POINTS, order="F")
     columns = {f"{term.effect}.{name}": column for name, column in zip(strengths, each, strict=True)}
     value = sum(own[name] * columns[f"{term.effect}.{name}"] for name in strengths)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.model.backbone import damping_curve, exact_backbone, polynomial_backbone, preload_backbone
-from dashpot.model.describing import equivalent_damping, equivalent_stiffness
+from dashpot.model.describing import equivalent_damping, equivalent_stiffness, natural_motion
 
 A = np.geomspace(1e-7, 5e-2, 30)
 
@@ -142,3 +142,33 @@ def test_amplitudes_without_sense_are_said(rig):
             call()
     with pytest.raises(BadInput, match=r"softened to nothing at amplitude 0\.2"):
         polynomial_backbone(80.0, -4.6e5, [1e-3, 0.2])
+
+
+def test_the_backbone_of_a_mass_over_the_displacement_is_that_of_an_integrated_vibration(rig):
+    """m(x) x'' + m'(x) x'^2 / 2 + k x = 0: half a turn by scipy; the mean motion comes near it."""
+    from scipy.integrate import solve_ivp
+
+    heights = {f"free/inertia/6.at-{k + 1}": 0.25 * (k - 3) for k in range(7)} | {"free/inertia/6.reach": 8e-3}
+    o = rig(cubic=0.0, preload=0.0, viscous=0.0, dry=0.0, effects=("free/inertia/6",), **heights)
+    start, w2 = 6e-3, o.omega0.value**2
+    # heights that grow in a straight line, 0.25 a third: a mass of 1 + 0.375 u², u the place in parts of the reach
+    mass, slope = lambda x: 1 + 0.375 * (x / 8e-3) ** 2, lambda x: 0.75 * x / 8e-3**2
+
+    def turned(t, z):
+        return z[1]
+
+    turned.terminal, turned.direction = True, 1
+    run = solve_ivp(
+        lambda t, z: [z[1], -(w2 * z[0] + 0.5 * slope(z[0]) * z[1] ** 2) / mass(z[0])],
+        (0, 1.0),
+        [start, -1e-12],
+        method="DOP853",
+        events=turned,
+        rtol=1e-12,
+        atol=1e-15,
+    )
+    true = np.pi / run.t_events[0][0]
+    np.testing.assert_allclose(exact_backbone(o, [start]), true, rtol=1e-8)
+    omega, _ = natural_motion(o, [start])
+    np.testing.assert_allclose(omega, true, rtol=5e-3)
+    assert true < 0.96 * o.omega0.value

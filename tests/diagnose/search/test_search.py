@@ -207,6 +207,19 @@ def test_what_is_learnt_goes_beside_the_leader_and_all_together_beside_the_famil
     assert [start.laws for start in search._learnt(family)] == alone[1:]
 
 
+def test_a_mass_a_drive_or_a_sensor_is_learnt_only_where_the_motion_speaks_for_it(proposing):
+    """Half as much as for the curve that it speaks for most."""
+    search, family = leading()
+    proposing({})
+    smooth = [start.laws for start in search._learnt(family)]
+    proposing({"free/spring/6": 2000.0, "free/drive/6": 1500.0, "free/sensor/6": 900.0})
+    assert [start.laws for start in search._learnt(family)] == [*smooth, ("free/drive/6",)]
+    search.candidates[("free/drive/6",)] = Candidate(("free/drive/6",), stage="left")
+    assert [start.laws for start in search._learnt(family)] == smooth
+    proposing({"free/inertia/6": 2000.0, "quadratic-drag": 1e4})
+    assert ("free/inertia/6",) in [start.laws for start in search._learnt(family)]
+
+
 def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
     search, leader = leading("quadratic-drag", "stribeck")
     proposing({"cubic-damping": 100.0})
