@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ...identify.problem.data import Data
-from ...identify.problem.structure import Fitted, shapes_of
+from ...identify.problem.structure import Fitted, shapes_of, without_states
 from ...identify.start.measured_motion import probes
 from ...model import Oscillator
 from ...model.law import Law
@@ -14,7 +15,7 @@ from ...model.library import find
 from ...model.terms import with_term, without_term
 from .candidate import Candidate, key
 from .race import PATIENCE, Entry, Start
-from .starts import generalised, without, without_anew
+from .starts import by_motion, generalised, without, without_anew
 
 
 def kept(fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
@@ -99,9 +100,41 @@ def with_shapes(start: Start) -> Entry | None:
 
 
 def each_learnt(leader: Candidate, laws: Sequence[Law], data: Data) -> list[Entry]:
-    """The leader with each of some learnt laws; where none with a cause leads, with a spring and a damping too."""
-    together = [] if leader.laws or not laws else [tuple(law for law in laws if law.effect != "free/surface")]
-    return [with_learnt(leader, put, data, PATIENCE * len(put)) for put in (*zip(laws), *together)]
+    """The leader with each learnt spring and damping; where none with a cause leads, with both; maps of its paths."""
+    smooth = [law for law in laws if _is_smooth(law)]
+    together = [] if leader.laws or not smooth else [tuple(law for law in smooth if law.effect != "free/surface")]
+    entries = [with_learnt(leader, put, data, PATIENCE * len(put)) for put in (*zip(smooth), *together)]
+    return entries + [entry for law in laws if _of_its_path(leader, law) for entry in _in_place(leader, law, data)]
+
+
+def asked_by_motion(leader: Candidate, law: Law) -> bool:
+    """Whether a learnt law is put beside the leader only where the measured motion speaks for it."""
+    return not _is_smooth(law) and not _of_its_path(leader, law)
+
+
+def _is_smooth(law: Law) -> bool:
+    return law.path in ("restoring", "dissipation")
+
+
+def _of_its_path(leader: Candidate, law: Law) -> list[str]:
+    """What the leader has on the path of a learnt map, which holds that within it: beside it neither is told."""
+    known = {name: find(name) for name in leader.laws}
+    same = [name for name, one in known.items() if (one.drive and law.drive) or (one.record and law.record)]
+    return [name for name in same if not known[name].lags]
+
+
+def _in_place(leader: Candidate, law: Law, data: Data) -> list[Entry]:
+    """The leader with a learnt map in the place of what it has on that path, where the measured motion puts it."""
+    assert leader.fit is not None
+    smaller, dropped_laws = leader.fit, _of_its_path(leader, law)
+    for name in dropped_laws:
+        less = without_term(smaller.model, name)
+        smaller = replace(smaller, model=less, initial=without_states(smaller, name))
+    laws = key([name for name in leader.laws if name not in dropped_laws] + [law.name])
+    return [
+        Entry(laws, one.model, one.initial, one.offsets, kept(leader.fit, one.model), patience=PATIENCE)
+        for one in by_motion(smaller, data, [law])
+    ]
 
 
 def with_learnt(beside: Candidate, laws: Sequence[Law], data: Data, patience: int) -> Entry:

@@ -36,7 +36,7 @@ from .found import Found, Weighing
 from .judgement import accepted, first_of_several, leading, needed_in_samples, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
-from .neighbours import dropped, each_learnt, entered_again, finer, kept, more_general, with_shapes
+from .neighbours import asked_by_motion, dropped, each_learnt, entered_again, finer, kept, more_general, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
 from .starts import Proposal, by_motion, by_score, by_zeros, unseen_in_motion
 from .weigh import foreseen_loss, judged
@@ -291,9 +291,8 @@ class Search:
         """Curves beside the leader, raced; of mass, drive and sensor where the measured motion speaks for them."""
         every = self._addable(leader, learnt=True)
         coarse = [law for law in every if law.name not in {other.finer for other in every}]  # those are gone on to
-        smooth = [law for law in coarse if law.path in ("restoring", "dissipation")]
-        entries = [entry for entry in each_learnt(leader, smooth, self.data) if entry.laws not in self.candidates]
-        others = [p for p in self._spoken_for(leader, coarse) if find(p.law) not in smooth]
+        entries = [entry for entry in each_learnt(leader, coarse, self.data) if entry.laws not in self.candidates]
+        others = [p for p in self._spoken_for(leader, coarse) if asked_by_motion(leader, find(p.law))]
         others = [p for p in others if key((*leader.laws, p.law)) not in self.candidates]
         return self._raced(leader, others, self._started(entries))
 
@@ -318,10 +317,9 @@ class Search:
     def _arrived(self, leader: Candidate, starts: Sequence[Start]) -> list[Candidate]:
         """Neighbours of the leader that came within reach, weighed; the others are kept with the reason they left."""
         assert leader.fit is not None
-        starts = list(starts)
         front = self._front(leader, starts)
         self._race(freed := self._with_shapes(starts, front), front)
-        starts += freed
+        starts = [*starts, *freed]
         front = self._front(leader, starts)
         self._compare_by(front)
         best = self._paid_by(front)

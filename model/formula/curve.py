@@ -103,7 +103,7 @@ def curve_of(model: Oscillator, term: Term) -> LearntCurve:
     slopes = ca.Function("slopes", [q], [slope])
     each = np.array(slopes.map(_POINTS)(at[None])).reshape(len(strengths), _POINTS, order="F")
     columns = {f"{term.effect}.{name}": column for name, column in zip(strengths, each, strict=True)}
-    value = sum(own[name] * columns[f"{term.effect}.{name}"] for name in strengths)
+    value = np.sum([own[name] * columns[f"{term.effect}.{name}"] for name in strengths], axis=0)
     known = model.values()
     for name, power in kind.beside.items():
         column = at**power
@@ -112,7 +112,7 @@ def curve_of(model: Oscillator, term: Term) -> LearntCurve:
         columns[name] = 2.0 * known[name] * column if name == "omega0" else column
     if kind.mass:
         value = value + (1.0 if kind.times else at)
-        columns["mass"] = kind.mass * value / known.get("mass", 1.0)
+        columns["mass"] = kind.mass / known.get("mass", 1.0) * value
     names = provenance.parameters or tuple(known)
     rows = np.array(provenance.covariance, float)
     jacobian = np.column_stack([columns.get(name, np.zeros(_POINTS)) for name in names])
@@ -122,8 +122,8 @@ def curve_of(model: Oscillator, term: Term) -> LearntCurve:
 
 def _made(law: Law, kind: Kind, q: Expression, own: Mapping[str, Expression]) -> Expression:
     """What a law makes of its variable, of a factor alone, of a map what it adds."""
-    if law.drive or law.record:
-        return (law.drive or law.record)(Motion(0.0, 0.0, 0.0), own, q) - q
+    if path := law.drive or law.record:
+        return path(Motion(0.0, 0.0, 0.0), own, q) - q
     assert law.force is not None
     place = 0.0 if kind.variable == "v" else q
     speed = q if kind.variable == "v" else float(kind.times == "v")
