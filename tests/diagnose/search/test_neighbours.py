@@ -7,8 +7,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dashpot.diagnose.search import neighbours
 from dashpot.diagnose.search.candidate import Candidate
-from dashpot.diagnose.search.neighbours import entered_again, finer, kept, more_general, with_learnt, with_shapes
+from dashpot.diagnose.search.neighbours import (
+    asked_by_motion,
+    each_learnt,
+    entered_again,
+    finer,
+    kept,
+    more_general,
+    with_learnt,
+    with_shapes,
+)
+from dashpot.diagnose.search.starts import Proposal
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.structure import Fitted
 from dashpot.model import oscillator_with
@@ -87,3 +98,24 @@ def test_what_is_entered_again_has_its_states_where_there_are_as_many_segments(p
     assert entry.laws == ("tonal-disturbance",)
     assert entry.model is model
     assert (entry.initial is states) is (more == 0)
+
+
+@pytest.mark.parametrize(
+    ("law", "beside"), [("actuator-saturation", False), ("actuator-lag", True), ("stribeck", True)]
+)
+def test_a_learnt_map_takes_the_place_of_what_is_on_its_path(monkeypatch, law, beside):
+    """A map of the drive holds a static law of it within; a delay, or a law of another path, stands beside it."""
+    leader, drive = Candidate((law,), fitted(law)), find("free/drive/6")
+    asked: list[tuple[str, ...]] = []
+
+    def by_motion(smaller, _data, laws):
+        asked.append(tuple(term.effect for term in smaller.model.terms))
+        values = {p.name: 1.0 for p in laws[0].parameters}
+        return [Proposal(laws[0].name, with_term(smaller.model, laws[0].name, values), smaller.initial, 1.0)]
+
+    monkeypatch.setattr(neighbours, "by_motion", by_motion)
+    entries = each_learnt(leader, [drive], SimpleNamespace(scales=SCALES))
+    assert asked_by_motion(leader, drive) is beside
+    assert [entry.laws for entry in entries] == ([] if beside else [("free/drive/6",)])
+    assert asked == ([] if beside else [()])
+    assert not asked_by_motion(leader, find("free/spring/6"))
