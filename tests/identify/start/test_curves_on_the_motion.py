@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.structure import Structure
 from dashpot.identify.start.measured_motion import Regression
 from dashpot.model import Oscillator
 from dashpot.model.law import Motion
@@ -18,7 +19,7 @@ from scipy.integrate import solve_ivp
 
 LINEAR = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0}
 MASS, OMEGA, VISCOUS = LINEAR["mass"], LINEAR["omega0"], LINEAR["viscous"]
-FS, SECONDS, FORCE, REACH = 400.0, 5.0, 2.0, 8e-3
+FS, SECONDS, FORCE, REACH, NOISE = 400.0, 5.0, 2.0, 8e-3, 1e-6
 
 
 def plain(q):
@@ -52,7 +53,7 @@ def recorded(mass: Callable | None = None, drive: Callable = plain, sensor: Call
 
     t = np.arange(round(FS * SECONDS)) / FS
     x = solve_ivp(rate, (0.0, t[-1]), [0.0, 0.0], t_eval=t, method="DOP853", rtol=1e-8, atol=1e-12).y[0]
-    return Recording("rig", FS, sensor(x) + 1e-6 * np.random.default_rng(3).standard_normal(t.size), force(t))
+    return Recording("rig", FS, sensor(x) + NOISE * np.random.default_rng(3).standard_normal(t.size), force(t))
 
 
 def learnt(recording: Recording, name: str) -> tuple[Callable, dict[str, float], float]:
@@ -104,3 +105,24 @@ def test_a_drive_is_not_asked_for_without_a_force():
     regression = Regression(data_of((free,), model), model)
     assert regression.best(find("free/drive/6")) is None
     assert regression.best(find("free/inertia/6")) is not None
+
+
+@pytest.mark.parametrize(
+    ("name", "bent"),
+    [
+        ("free/drive/6", {"drive": bent_force}),
+        ("free/inertia/6", {"mass": heavier}),
+        ("free/sensor/6", {"sensor": bent_record}),
+    ],
+)
+def test_from_there_a_fit_comes_to_the_noise(name, bent):
+    """But for what six intervals cannot show of a fourth power; the plain model leaves far more."""
+    recording, model, law = recorded(**bent), Oscillator.from_values(LINEAR), find(name)
+    data = data_of((recording,), model)
+    guess = Regression(data, model).best(law)
+    assert guess is not None
+    fitted = Structure(guess.put_into(model), data, (f"{name}.{law.parameters[-1].name}",)).fit(most=25)
+    left = np.sqrt(np.mean(np.concatenate(fitted.residuals) ** 2))
+    plain_left = np.sqrt(np.mean(np.concatenate(Structure(model, data).fit(most=25).residuals) ** 2))
+    assert left < 3 * NOISE
+    assert plain_left > 20 * NOISE
