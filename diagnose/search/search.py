@@ -292,9 +292,12 @@ class Search:
         every = self._addable(leader, learnt=True)
         coarse = [law for law in every if law.name not in {other.finer for other in every}]  # those are gone on to
         entries = [entry for entry in each_learnt(leader, coarse, self.data) if entry.laws not in self.candidates]
-        others = [p for p in self._spoken_for(leader, coarse) if asked_by_motion(leader, find(p.law))]
-        others = [p for p in others if key((*leader.laws, p.law)) not in self.candidates]
-        return self._raced(leader, others, self._started(entries))
+        starts = self._started(entries)
+        # what leads may stand for another path, and bend what the motion says beside it
+        for beside in {leader.laws: leader, (): self.candidates.get((), leader)}.values():
+            others = [p for p in self._spoken_for(beside, coarse) if asked_by_motion(beside, find(p.law))]
+            starts += self._added(beside, [p for p in others if key((*beside.laws, p.law)) not in self.candidates])
+        return self._raced(leader, (), starts)
 
     def _spoken_for(self, leader: Candidate, laws: Sequence[Law]) -> list[Proposal]:
         """Of laws those that gain half as much on the measured motion as the best of them."""
@@ -365,12 +368,9 @@ class Search:
     def _race(self, starts: Sequence[Start], standing: Fitted) -> None:
         for start in starts:
             start.measured_by(self._measures[0])
-        measure, points = self._measures[0], self.data.points
         needed = needed_in_samples(standing, self.data) if any(start.adds for start in starts) else 0.0
-        how = {"over": self._over, "needed": needed}
-        raced = race(
-            starts, measure, standing, points, lambda what, part: self.progress(what, 0.3 + 0.65 * part), **how
-        )
+        how = starts, self._measures[0], standing, self.data.points
+        raced = race(*how, lambda what, part: self.progress(what, 0.3 + 0.65 * part), self._over, needed)
         self._measures = raced, self._measures[1]
 
     def _cost(self, parameters: int) -> float:

@@ -218,6 +218,11 @@ def test_a_mass_a_drive_or_a_sensor_is_learnt_only_where_the_motion_speaks_for_i
     assert [start.laws for start in search._learnt(family)] == smooth
     proposing({"free/inertia/6": 2000.0, "quadratic-drag": 1e4})
     assert ("free/inertia/6",) in [start.laws for start in search._learnt(family)]
+    # a leader may stand for it: then it is asked for without that too
+    search, leader = leading("stribeck")
+    search.candidates[()] = family
+    asked = [start.laws for start in search._learnt(leader)]
+    assert asked[-2:] == [("free/inertia/6", "stribeck"), ("free/inertia/6",)]
 
 
 def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
