@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from dashpot.model import Oscillator
 from dashpot.model.formula.closed_form import closed_forms
+from dashpot.model.library import find
 from dashpot.model.oscillator import Provenance
 from dashpot.model.terms import with_term
 from dashpot.report.blocks import Figure, Table, Text
@@ -67,3 +68,31 @@ def test_nothing_learnt_has_no_section(model):
     assert learnt_section(SimpleNamespace(model=plain, forms=())).blocks == ()
     bare = replace(model, identified=Provenance())
     assert learnt_section(SimpleNamespace(model=bare, forms=())).blocks == ()
+
+
+@pytest.mark.parametrize(
+    ("effect", "bend", "form", "unit"),
+    [
+        ("free/inertia", 0.2, "(c0 + c1 x²) x''", "1/m2"),
+        ("free/drive", 0.1, "c0 F + c1 F²", "1/N"),
+        ("free/sensor", 0.1, "c0 r + c1 r²", "1/m"),
+    ],
+)
+def test_a_mass_a_drive_and_a_sensor_are_drawn_with_their_form(effect, bend, form, unit):
+    """Heights that make a square: the same bend everywhere, of a mass a slope that grows in a straight line."""
+    names = [f"at-{k + 1}" for k in range(7)]
+    heights = {name: bend * ((k - 3) / 3 if effect == "free/inertia" else 1.0) for k, name in enumerate(names)}
+    law = find(f"{effect}/6")
+    made = with_term(Oscillator.from_values(VALUES), law.name, heights | {law.parameters[-1].name: REACH})
+    free = ("mass", *(f"{law.name}.{name}" for name in names))
+    rows = tuple(map(tuple, np.diag(np.array([1e-3, *[0.01 * bend] * 7]) ** 2)))
+    made = replace(made, identified=Provenance(parameters=free, covariance=rows))
+    forms = closed_forms(made)
+    assert forms[0].text == form
+    assert (forms[0].constants["c0"].value, forms[0].constants["c1"].unit) == (pytest.approx(1.0, abs=0.01), unit)
+    square = bend / (2 * REACH**2) if effect == "free/inertia" else bend / (2 * REACH)
+    assert forms[0].constants["c1"].value == pytest.approx(square, rel=0.1)
+    figure = learnt_section(SimpleNamespace(model=made, forms=forms)).blocks[0]
+    assert isinstance(figure, Figure)
+    assert f"Dashed: {form}" in figure.caption
+    assert len(figure.chart.panels) == 2
