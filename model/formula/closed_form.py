@@ -173,7 +173,7 @@ def law_file(form: ClosedForm, name: str, origin: Sequence[str] = ()) -> str:
         *(f"    {function}={function}," for function in given),
         f'    equation="{equation}",',
         f'    sentence="The closed form that was found for {form.effect}: {form.text}.",',
-        '    phrase="a force of a form that was learnt",',
+        '    phrase="a law of a form that was learnt",',
         '    source="the shortest closed form within the band of a learnt curve",',
         ")",
         "",
