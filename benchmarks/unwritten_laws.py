@@ -34,14 +34,14 @@ CYCLES = (100.0, 150.0)
 
 
 def model_force(model: Oscillator, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """(n,) force per unit mass of a model at points of the motion, m/s², of all terms without a memory."""
+    """(n,) force per unit mass of a model at points of the motion, m/s², of all terms without memory and mass."""
     p = model.values()
     force = (
         p["omega0"] ** 2 * x + p["cubic"] * x**3 + p["preload"] * np.sign(x) + p["viscous"] * v + p["dry"] * np.sign(v)
     )
     motion = np.column_stack([x, v, 0 * x, 0 * x])
     for term in model.terms:
-        if term.law.force is not None:
+        if term.law.force is not None and term.law.path != "inertia":  # which no points without an order tell
             values = {name: parameter.value for name, parameter in term.parameters.items()}
             force = force + along_of(term.law).force(values, motion, 1.0)
     return force
