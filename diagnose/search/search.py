@@ -390,13 +390,12 @@ class Search:
         """Keep what is known of a structure that did not arrive."""
         if laws in self.candidates:
             return
-        short = best - (front.ceiling - self._cost(front.count))
+        short = best - (self._paid(front) if front.resting else front.ceiling - self._cost(front.count))
         why = f"left after {front.steps} steps: what it promised stayed {short:.4g} below the best"
-        if front.resting:
-            short = best - self._paid(front)
-            why = f"fitted, it stays {short:.4g} below the best in log-likelihood, its parameters paid for"
         if not math.isfinite(short):
             why = f"left after {front.steps} steps: it does not follow the recordings"
+        elif front.resting:
+            why = f"fitted, it stays {short:.4g} below the best in log-likelihood, its parameters paid for"
         left = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
         _log.info("%s: %s", left.name, why)
         self.candidates[laws] = left
