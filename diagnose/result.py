@@ -19,6 +19,7 @@ from ..model.left import over
 from ..model.physical import law_strengths
 from ..recording.recording import Recording
 from ..simulate.work import Work
+from .depends_on import DependsOn
 
 SURE = shown(
     1e6, "odds", why="odds beyond this say no more than that nothing else is left: the noise itself is known no better"
@@ -100,7 +101,8 @@ class Effect:
 class Location:
     """Where simulation and recording differ.
 
-    Ranges are (low, high); harmonics maps the order to its share of the mismatch's power.
+    Ranges are (low, high); harmonics maps the order to its share of the mismatch's power. ``depends_on`` has the shares
+    of the missing force by kind of coordinate; None where it is not known.
     """
 
     path: str
@@ -112,6 +114,7 @@ class Location:
     time_s: tuple[float, float]
     recordings: tuple[str, ...]
     harmonics: Mapping[int, float]
+    depends_on: DependsOn | None = None
 
 
 @dataclass(frozen=True)
@@ -329,6 +332,7 @@ def _location(location: Location) -> dict[str, Any]:
         "time_s": list(location.time_s),
         "recordings": list(location.recordings),
         "harmonics": {str(order): share for order, share in location.harmonics.items()},
+        "depends_on": None if location.depends_on is None else location.depends_on.as_json(),
     }
 
 

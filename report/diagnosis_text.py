@@ -41,6 +41,9 @@ def describe(diagnosis: Diagnosis) -> str:
         lines += ["", f"The shape of {form.effect}, within its band", f"  {form.text}", *_wrapped(numbers, "  ", 2)]
     if diagnosis.location is not None and diagnosis.location.statement.strip():
         lines += ["", "Where", *_wrapped(full_stop(diagnosis.location.statement), "  ", 3)]
+    if diagnosis.location is not None and diagnosis.location.depends_on is not None:
+        said = f"{diagnosis.location.depends_on.sentence}."
+        lines += ["", "On what the missing force depends, of its power", *_wrapped(said, "  ", 4)]
     if diagnosis.records:
         lines += ["", *_recordings(diagnosis)]
     bent = _bent(diagnosis)
