@@ -7,7 +7,7 @@ from typing import Any
 
 from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import shown
-from .limits import MATTERS
+from .limits import MATTERS, PLAINER
 from .wording import spoken
 
 _MOST = shown(4, "kinds", why="of those that add something, and of those that do not: as many as a sentence carries")
@@ -23,7 +23,6 @@ WORDS = {
     "damping by position": "a damping by position",
     "amplitude": "the amplitude of the cycle",
     "phase": "the phase in the cycle",
-    "acceleration": "acceleration",
     "constant": "a constant",
     "delay": "a delay of the force",
     "sensor": "a sensor that is not straight",
@@ -53,9 +52,13 @@ class Share:
     within: bool = False
 
     @property
-    def nothing(self) -> bool:
-        """Whether what it adds is no more than its error, or too little to matter."""
-        return self.adds < max(SIGNIFICANT * self.adds_std, MATTERS)
+    def role(self) -> str:
+        """``part`` of the first kind, ``adds`` to it, adds ``nothing``, or ``not-told`` by these recordings."""
+        if self.within:
+            return "part"
+        if self.adds > max(SIGNIFICANT * self.adds_std, MATTERS):
+            return "adds"
+        return "nothing" if self.adds + self.adds_std < 1.0 - PLAINER else "not-told"
 
 
 @dataclass(frozen=True)
@@ -75,36 +78,30 @@ class DependsOn:
         """The plainest kind that explains about as much as the best."""
         return self.shares[0]
 
-    @property
-    def adding(self) -> tuple[Share, ...]:
-        """Kinds that explain something beyond the first, the most first."""
-        return tuple(share for share in self.shares if not share.within and not share.nothing)
-
-    @property
-    def idle(self) -> tuple[Share, ...]:
-        """Kinds that add nothing to the first, and are no part of it, in the order of ``WORDS``."""
-        order = list(WORDS)
-        idle = [share for share in self.shares if not share.within and share.nothing]
-        return tuple(sorted(idle, key=lambda share: order.index(share.kind)))
+    def those(self, role: str) -> list[Share]:
+        """Kinds of one role: of those that add something the most first, else in the order of ``WORDS``."""
+        found = [share for share in self.shares if share.role == role]
+        return found if role == "adds" else sorted(found, key=lambda share: list(WORDS).index(share.kind))
 
     @property
     def sentence(self) -> str:
         """``81 ± 4 % by displacement and velocity together; time adds nothing (at most 0.2 ± 0.6 %)``."""
         said = [f"{percent(self.first.share, self.first.std)} by {WORDS[self.first.kind]}"]
         said += [f"{WORDS[s.kind]} adds {percent(s.adds, s.adds_std)}" for s in self._said()[:_MOST]]
-        if idle := self.idle:
-            names = [WORDS[share.kind] for share in idle[:_MOST]]
-            if len(idle) > _MOST:
-                names.append(f"{len(idle) - _MOST} more")
+        if idle := self.those("nothing"):
             most = max(idle, key=lambda share: share.adds + share.adds_std)
-            verb = "adds" if len(names) == 1 else "add"
-            said.append(f"{spoken(names)} {verb} nothing (at most {percent(max(most.adds, 0.0), most.adds_std)})")
+            verb = "adds" if len(idle) == 1 else "add"
+            said.append(f"{_names(idle)} {verb} nothing (at most {percent(max(most.adds, 0.0), most.adds_std)})")
+        if unknown := self.those("not-told"):
+            verb = "adds" if len(unknown) == 1 else "add"
+            said.append(f"whether {_names(unknown)} {verb} anything is not told")
         return "; ".join(said)
 
     def _said(self) -> list[Share]:
         """Kinds that add something; both coordinates together only where they add more than each other kind does."""
-        most = max((share.adds for share in self.adding if share.kind != _BOTH), default=0.0)
-        return [share for share in self.adding if share.kind != _BOTH or share.adds - share.adds_std > most]
+        adding = self.those("adds")
+        most = max((share.adds for share in adding if share.kind != _BOTH), default=0.0)
+        return [share for share in adding if share.kind != _BOTH or share.adds - share.adds_std > most]
 
     def as_json(self) -> dict[str, Any]:
         """As ``diagnosis.json`` has it, under ``depends_on`` of the location."""
@@ -118,14 +115,18 @@ class DependsOn:
                     "std": share.std,
                     "adds": share.adds,
                     "adds_std": share.adds_std,
-                    "part_of_first": share.within,
-                    "adds_nothing": share.nothing,
+                    "role": "first" if share is self.first else share.role,
                 }
                 for share in self.shares
             ],
             "unexplained": {"share": 1.0 - self.first.share, "std": self.first.std},
             "blocks": self.blocks,
         }
+
+
+def _names(shares: list[Share]) -> str:
+    names = [WORDS[share.kind] for share in shares[:_MOST]]
+    return spoken([*names, *([f"{len(shares) - _MOST} more"] if len(shares) > _MOST else [])])
 
 
 def percent(share: float, std: float) -> str:

@@ -15,6 +15,8 @@ from ..identify.signals.registry import shown
 from ..model import Oscillator, Parameter, Response
 from ..model.fit_state import Left
 from ..model.formula.closed_form import ClosedForm
+from ..model.formula.nearest_law import NearestLaw
+from ..model.formula.nearest_words import as_json as nearest_as_json
 from ..model.left import over
 from ..model.physical import law_strengths
 from ..recording.recording import Recording
@@ -214,6 +216,7 @@ class Diagnosis:
         work: how often the recordings were simulated for it, and how long that took.
         recordings: all that it was judged by, whole, less what the measuring chain does.
         forms: closed forms that the learnt curves of ``model`` may be, of each the shortest first.
+        nearest: of each learnt curve the nearest law of the library, and where the curve departs from it.
     """
 
     verdict: Verdict
@@ -232,6 +235,7 @@ class Diagnosis:
     work: Work | None = None
     recordings: tuple[Recording, ...] = ()
     forms: tuple[ClosedForm, ...] = ()
+    nearest: tuple[NearestLaw, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Diagnosis: {self.verdict}. {self.sentence}>"
@@ -301,6 +305,7 @@ class Diagnosis:
             },
             "parameter_shift": self.parameter_shift(),
             "formulas": [form.as_json() for form in self.forms],
+            "nearest_laws": [nearest_as_json(law, self.model) for law in self.nearest],
             "considered": [
                 {
                     "effect": c.effect,

@@ -12,6 +12,7 @@ from .style import AFTER, BEFORE, EXACT
 if TYPE_CHECKING:
     from ..diagnose.result import Location
 
+_ROLES = {"part": "a part of it", "adds": "adds to it", "nothing": "adds nothing", "not-told": "not told"}
 _HALF = 0.32  # of a bar's row
 _CAP = 0.12  # half of the stroke at either end of an error
 
@@ -31,17 +32,13 @@ def depends_on_blocks(place: Location) -> list[Block]:
             WORDS[share.kind],
             f"{percent(share.share, share.std)}",
             "" if share.within else percent(share.adds, share.adds_std),
-            "the first" if share is depends.first else "a part of it" if share.within else _verdict(share.nothing),
+            "the first" if share is depends.first else _ROLES[share.role],
         )
         for share in depends.shares
     )
     table = Table(("The missing force follows", "By itself", "Beyond the first", ""), rows, (1, 2), cards=True)
     sentence = f"{depends.sentence}. What no kind explains is neither a function of them nor noise of the sensors."
     return [Text(sentence, lead="It depends on:"), picture(lambda: depends_on_figure(depends), caption), table]
-
-
-def _verdict(nothing: bool) -> str:
-    return "adds nothing" if nothing else "adds to it"
 
 
 def depends_on_figure(depends: DependsOn, key: str = "depends-on") -> Chart:

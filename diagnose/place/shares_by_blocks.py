@@ -25,11 +25,6 @@ _RIDGE = numerics(1e-10, "of a column's power", why="columns that say the same t
 _PIECES = numerics(10, "pieces over the range of the amplitude", why="as the pieces of a force")
 
 
-def _acceleration(rows: Rows) -> np.ndarray:
-    a = rows.joined(lambda s: s.a)
-    return hats(a, nodes_of(a))
-
-
 def _amplitude(rows: Rows) -> np.ndarray:
     """Stiffness and damping that depend on the amplitude of the cycle."""
     size = rows.joined(lambda s: s.amplitude)
@@ -49,9 +44,9 @@ def _phase(rows: Rows) -> np.ndarray:
     return np.column_stack([np.cos(turns), np.sin(turns)])* known[:, None]
 
 
-#: Kinds that are only said: what a diagnosis does next does not depend on them.
+#: Kinds that are only said: what a diagnosis does next does not depend on them. The acceleration is none of them: it is
+#: what the missing force makes, and explains all of it whatever the cause.
 SAID: dict[str, Callable[[Rows], np.ndarray]] = {
-    "acceleration": _acceleration,
     "amplitude": _amplitude,
     "phase": _phase,
 }
@@ -66,7 +61,7 @@ class _Products:
         normal: (groups, k, k) columns with columns.
         along: (groups, k) columns with the missing force, ``silent`` with its noise.
         power: (groups, 2) of the force and of its noise.
-        size: (groups,) samples.
+        size: (groups,) power that the family leaves.
     """
 
     places: dict[str, np.ndarray]
@@ -79,9 +74,8 @@ class _Products:
     @classmethod
     def of(cls, rows: Rows, kinds: dict[str, np.ndarray]) -> _Products:
         """From unweighted columns (n, m) of each kind."""
-        blocks = int(rows.block.max()) + 1
-        groups = min(blocks, _GROUPS)
-        group = rows.block * groups // blocks
+        group = groups_of(rows)
+        groups = int(group[-1]) + 1
         places, first = {"family": np.arange(rows.base.shape[1])}, rows.base.shape[1]
         for name, columns in kinds.items():
             places[name] = np.arange(first, first + columns.shape[1])
@@ -96,7 +90,7 @@ class _Products:
             np.array([whole[part].T @ rows.target[part] for part in parts]),
             np.array([whole[part].T @ rows.noise[part] for part in parts]),
             np.array([[rows.target[p] @ rows.target[p], rows.noise[p] @ rows.noise[p]] for p in parts]),
-            np.diff(edges),
+            np.array([rows.left[part] @ rows.left[part] for part in parts]),
         )
 
     def without(self) -> _Products:
@@ -165,15 +159,26 @@ def depends_on(signature: Symptoms, *, base_moves: bool = False) -> DependsOn | 
     return DependsOn(tuple(shares), products.size.size - 1)
 
 
+def groups_of(rows: Rows) -> np.ndarray:
+    """(n,) number of the group of neighbouring blocks that a sample is of: each has about as much of the power.
+
+    Of groups as long as each other one would hold a resonance or the begin of a decay, and most of the shares.
+    """
+    power = np.bincount(rows.block, rows.left**2)
+    before = np.cumsum(power) - 0.5 * power
+    wanted = np.floor(before * min(power.size, _GROUPS) / max(float(np.sum(power)), 1e-300)).astype(int)
+    return np.unique(wanted, return_inverse=True)[1][rows.block]
+
+
 def jackknife(made: np.ndarray, size: np.ndarray) -> tuple[float, float]:
     """An estimate without what its freedom makes of chance, and its standard error.
 
     Args:
         made: (1 + groups,) the estimate from all groups, and from all but each one.
-        size: (1 + groups,) samples in all, and in all but each group.
+        size: (1 + groups,) what stands for how much there is: in all groups, and in all but each one.
     """
     whole, without, n, groups = float(made[0]), made[1:], float(size[0]), made.size - 1
-    parts = n / (n - size[1:])  # so many groups of this size there would be
+    parts = n / np.maximum(n - size[1:], 1e-9 * n)  # so many groups of this size there would be
     estimate = groups * whole - float(np.sum((1.0 - 1.0 / parts) * without))
     pseudo = parts * whole - (parts - 1.0) * without
     return estimate, float(np.sqrt(np.mean((pseudo - estimate) ** 2 / (parts - 1.0))))

@@ -27,6 +27,7 @@ class LearntCurve:
         value: (n,) of the curve.
         covariance: (n, n).
         times: ``v`` where the force is the curve times the velocity, else empty.
+        spacing: of its knots, in the unit of the variable.
     """
 
     effect: str
@@ -35,6 +36,7 @@ class LearntCurve:
     value: np.ndarray
     covariance: np.ndarray
     times: str = ""
+    spacing: float = 0.0
 
     @property
     def std(self) -> np.ndarray:
@@ -82,4 +84,6 @@ def curve_of(model: Oscillator, term: Term) -> LearntCurve:
     rows = np.array(provenance.covariance, float)
     jacobian = np.column_stack([columns.get(name, np.zeros(_POINTS)) for name in names])
     covariance = jacobian @ rows @ jacobian.T
-    return LearntCurve(effect, over, at, np.asarray(value), covariance, "v" if effect == "free/surface" else "")
+    times = "v" if effect == "free/surface" else ""
+    spacing = 2.0 * reach / int(term.effect.rpartition("/")[2])
+    return LearntCurve(effect, over, at, np.asarray(value), covariance, times, spacing)
