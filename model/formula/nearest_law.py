@@ -173,7 +173,7 @@ def nearest_law(curve: LearntCurve, unit: str) -> NearestLaw | None:
     for fit in near:  # the best places of each law and kind of departure
         kinds.setdefault((fit.column.law.name if fit.column.law else "", fit.members, fit.powers), fit)
     finer = (_finer(target, fit, max(knots // 2, 1)) for fit in list(kinds.values())[:_NEAR])
-    found = [fit for fit in finer if fit.within and _shows(target, fit)]
+    found = [fit for fit in finer if fit.within and _shows(target, fit) and _proper(target, fit)]
     return _told(curve, min(found, key=lambda fit: fit.length), unit, target) if found else None
 
 
@@ -283,8 +283,18 @@ def _shows(target: _Target, fit: _Fit) -> bool:
     return bool(np.any(np.abs(force) > _SHOWS * target.std[here]))
 
 
+def _proper(target: _Target, fit: _Fit) -> bool:
+    """Whether the law's values are what its name stands for, where another law has the same equation."""
+    law, factors = fit.column.law, _factors(target, fit)[1]
+    if law is None or law.proper is None or fit.column.strength is None:
+        return True
+    values = {parameter.name: 0.0 for parameter in law.parameters} | {fit.column.strength.name: float(factors[-1])}
+    values |= {p.name: float(value) for p, value in zip(fit.column.inside, fit.inside, strict=True)}
+    return law.proper(values, {"omega0": math.sqrt(max(float(factors[0]), 0.0))})
+
+
 def _told(curve: LearntCurve, best: _Fit, unit: str, target: _Target) -> NearestLaw:
-    at, law = curve.at, best.column.law
+    at, law, low = curve.at, best.column.law, float(curve.at[best.ends[0]])
     made = target.base[:, : best.members] @ _factors(target, best)[1][: best.members] + _force(target, best)
     grows = (curve.value - made) * (1.0 if curve.times else np.sign(at))
 
@@ -296,8 +306,8 @@ def _told(curve: LearntCurve, best: _Fit, unit: str, target: _Target) -> Nearest
         curve.variable,
         curve.times,
         "" if law is None else law.name,
-        float(at[best.ends[0]]),
-        float(at[best.ends[1]]),
+        low,
+        -low if best.ends[0] == at.size - 1 - best.ends[1] else float(at[best.ends[1]]),
         float(np.max(np.abs(at))),
         way(slice(0, best.ends[0])),
         way(slice(best.ends[1] + 1, at.size)),
