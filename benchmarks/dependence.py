@@ -2,10 +2,10 @@
 
     python benchmarks/dependence.py [RIGS] [--seed N] [--json OUT.json]
 
-The rigs are those of `examples/concealed`: with a law of random shape, with such a law and one of the library beside it, and
-with one law of the library. Only the place of what is missing is worked out, so that a rig costs seconds. Printed are, of
-each, what its force depends on, the kind that is named first, its share with its error, and, where the force is a function
-of displacement and velocity, the share that this kind has of the true force along the same motion.
+The rigs are those of `examples/concealed`: with a law of random shape, with such a law and one of the library beside
+it, and with one law of the library. Only the place of what is missing is worked out, so that a rig costs seconds.
+Printed are, of each, what its force depends on, the kind that is named first, its share with its error, and, where the
+force is a function of displacement and velocity, the share that this kind has of the true force along the same motion.
 """
 
 from __future__ import annotations

@@ -1,22 +1,23 @@
 """Shares of the missing force by kind of coordinate, with errors by leaving blocks of the recordings out.
 
-Share and error are those of a jackknife over blocks (Quenouille 1956 on what it takes off, which here is what so many free
-columns explain by chance; Künsch 1989, Annals of Statistics 17, section 2; of groups of unequal size: Busing, Meijer
-and van der Leeden 1999, Statistics and Computing 9). All regressions are solved from
-the products of their columns, block by block, so that leaving a block out costs a subtraction and no pass over the
-samples.
+Share and error are those of a jackknife over blocks (Quenouille 1956 on what it takes off, which here is what so many
+free columns explain by chance; Künsch 1989, Annals of Statistics 17, section 2; of groups of unequal size: Busing,
+Meijer and van der Leeden 1999, Statistics and Computing 9). The smoother hides a part of every force, the most of its
+high harmonics: each column is what it would show of that column. All regressions are solved from the products of
+these, block by block, so that leaving a block out costs a subtraction and no pass over the samples.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from ...identify.signals.registry import budget, numerics
 from ..depends_on import DependsOn, Share
-from .free_form import KINDS, Rows, hats, nodes_of
+from .free_form import KINDS, Rows, family, hats, nodes_of
 from .mismatch_ranges import ORDERS
 from .what_it_follows import LINES, Symptoms, line_columns, plainest
 
@@ -41,7 +42,7 @@ def _phase(rows: Rows) -> np.ndarray:
     turn = rows.joined(lambda s: s.phase)
     known = np.isfinite(turn)
     turns = np.arange(1, ORDERS) * np.where(known, turn, 0.0)[:, None]
-    return np.column_stack([np.cos(turns), np.sin(turns)])* known[:, None]
+    return np.column_stack([np.cos(turns), np.sin(turns)]) * known[:, None]
 
 
 #: Kinds that are only said: what a diagnosis does next does not depend on them. The acceleration is none of them: it is
@@ -80,10 +81,14 @@ class _Products:
         for name, columns in kinds.items():
             places[name] = np.arange(first, first + columns.shape[1])
             first += columns.shape[1]
-        whole = np.hstack([rows.base, *(columns * rows.weight[:, None] for columns in kinds.values())])
+        whole = np.hstack([rows.joined(family), *kinds.values()])
+        ends = np.cumsum([s.n for s in rows.stretches])[:-1]
+        each = zip(np.split(whole, ends), rows.stretches, strict=True)
+        whole = np.concatenate([part if s.seen is None else s.seen(part) for part, s in each])  # as the force was seen
+        whole *= rows.weight[:, None]
         whole /= np.maximum(np.linalg.norm(whole, axis=0), 1e-300)
         edges = np.searchsorted(group, np.arange(groups + 1))  # blocks are in order
-        parts = [slice(low, high) for low, high in zip(edges[:-1], edges[1:], strict=True)]
+        parts = [slice(low, high) for low, high in pairwise(edges)]
         return cls(
             places,
             np.array([whole[part].T @ whole[part] for part in parts]),

@@ -52,7 +52,8 @@ class Column:
         """(m, inside) sizes among which the constants inside are first looked for."""
         each = []
         for parameter in self.inside:
-            probes = np.array([1.0] if isinstance(parameter.probes, str) or not parameter.probes else parameter.probes)
+            given = parameter.probes
+            probes = np.array([1.0] if isinstance(given, str) or not given else given)
             size = np.geomspace(np.min(np.abs(probes)) / _WIDER, np.max(np.abs(probes)) * _WIDER, _SIZES)
             if probes.size == 1:
                 size = np.abs(probes)  # an exponent
@@ -63,7 +64,7 @@ class Column:
 
 
 def columns_for(curve: LearntCurve) -> Iterator[Column]:
-    """Eq. 17 by itself, and each law that is a function of the curve's variable alone; the plainer before the richer."""
+    """Eq. 17 by itself, and each law that is a function of the curve's variable alone, the plainer first."""
     yield Column(None, None, (), lambda _: np.zeros(curve.at.size))
     for law in (*LIBRARY.values(), *PRESCRIBED.values()):
         if law.force is not None and not law.learnt and law.path in ("restoring", "dissipation"):

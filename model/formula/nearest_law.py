@@ -1,10 +1,11 @@
-"""The law of the library that comes nearest to a learnt curve: how far it lies within the band, and which way it departs.
+"""The law of the library that comes nearest to a learnt curve: where it lies within the band, which way it departs.
 
 A law is fitted to the curve between two places, beside what Eq. 17 has of the same variable, by the curve's covariance
 (generalised least squares, Aitken 1935; laws with a place or a width inside by variable projection, Golub and Pereyra
-1973). Beyond a place the curve departs from it by a power of the distance, or by several: a spline rings about a bend, and
-what it makes of one beyond a place shows before that place too. Of all laws and places between which the curve does not
-contradict the law, that of the shortest description is the nearest (Rissanen 1978); Eq. 17 by itself is one of them.
+1973). Beyond a place the curve departs from it by a power of the distance, or by several: a spline rings about a bend,
+and what it makes of one beyond a place shows before that place too. Of all laws and places between which the curve does
+not contradict the law, that of the shortest description is the nearest (Rissanen 1978); Eq. 17 by itself is one of
+them.
 """
 
 from __future__ import annotations

@@ -27,7 +27,8 @@ def test_both_coordinates_are_not_said_beside_the_one_that_makes_them_add():
     velocity = Share("velocity", 0.1, 0.01, 0.07, 0.01)
     both = Share("displacement and velocity", 0.97, 0.01, 0.071, 0.01)
     assert "together" not in DependsOn((first, both, velocity), 40).sentence
-    assert "together adds" in DependsOn((first, Share("displacement and velocity", 0.99, 0.01, 0.09, 0.01), velocity), 40).sentence
+    more = Share("displacement and velocity", 0.99, 0.01, 0.09, 0.01)
+    assert "together adds" in DependsOn((first, more, velocity), 40).sentence
 
 
 def test_a_long_list_is_cut():
@@ -39,7 +40,13 @@ def test_a_long_list_is_cut():
 
 @pytest.mark.parametrize(
     ("adds", "std", "role"),
-    [(0.05, 0.01, "adds"), (0.05, 0.02, "nothing"), (0.005, 0.0, "nothing"), (0.08, 0.04, "not-told"), (-0.2, 0.1, "nothing")],
+    [
+        (0.05, 0.01, "adds"),
+        (0.05, 0.02, "nothing"),
+        (0.005, 0.0, "nothing"),
+        (0.08, 0.04, "not-told"),
+        (-0.2, 0.1, "nothing"),
+    ],
 )
 def test_what_a_kind_adds_is_held_against_its_error(adds, std, role):
     assert Share("time", 0.0, 0.0, adds, std).role == role
@@ -54,7 +61,8 @@ def test_json_has_every_share_with_its_role():
 
 
 @pytest.mark.parametrize(
-    ("share", "std", "said"), [(0.812, 0.04, "81 ± 4 %"), (0.9987, 0.0012, "99.9 ± 0.1 %"), (-0.0001, 0.0, "0.0 ± 0.0 %")]
+    ("share", "std", "said"),
+    [(0.812, 0.04, "81 ± 4 %"), (0.9987, 0.0012, "99.9 ± 0.1 %"), (-0.0001, 0.0, "0.0 ± 0.0 %")],
 )
 def test_shares_are_said_to_their_errors(share, std, said):
     assert percent(share, std) == said

@@ -20,7 +20,8 @@ def laws(variable: str = "x", times: str = "") -> dict:
 
 
 def test_only_laws_of_the_variable_alone_are_asked():
-    assert set(laws()) >= {"", "quadratic-stiffness", "softening-stiffness", "clearance", "one-sided-stop", "gas-spring"}
+    springs = {"", "quadratic-stiffness", "softening-stiffness", "clearance", "one-sided-stop", "gas-spring"}
+    assert set(laws()) >= springs
     assert set(laws("v")) >= {"", "quadratic-drag", "cubic-damping", "stribeck", "asymmetric-friction"}
     assert set(laws("x", "v")) == {"", "displacement-dependent-damping"}
     every = {*laws(), *laws("v"), *laws("x", "v")}

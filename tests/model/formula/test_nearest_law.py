@@ -141,7 +141,7 @@ def test_a_shape_that_no_law_has_is_not_named_as_one_over_all():
 
 
 def test_the_whitener_takes_of_a_bend_what_the_fit_did():
-    """The fit to a bend rings about it where the motion was; of a truth that is known less is left than chance leaves."""
+    """The fit to a bend rings about it where the motion was: of a known truth less is left than chance leaves."""
 
     def bent(x: np.ndarray) -> np.ndarray:
         return x + np.sign(x) * np.maximum(np.abs(x) - 0.6, 0.0)

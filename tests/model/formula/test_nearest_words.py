@@ -32,7 +32,8 @@ def model() -> Oscillator:
         ),
         (
             {"low": -3e-3, "high": 3e-3, "below": "more", "above": "less"},
-            "as softening-stiffness up to 3 mm on both sides, then softer on the positive side and harder on the negative one",
+            "as softening-stiffness up to 3 mm on both sides, then softer on the positive side and harder on the "
+            "negative one",
         ),
         (
             {"low": -2e-3, "high": 3e-3, "below": "more", "above": "less"},
