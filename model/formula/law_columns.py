@@ -90,10 +90,10 @@ def _column(law: Law, curve: LearntCurve) -> Column | None:
     if made is None or not ca.depends_on(made, q) or ca.depends_on(made, off):
         return None
     if curve.times:  # it has to be in proportion to the velocity
-        twice = over(q, ca.SX(2.0))
+        twice = over(q, ca.SX(2.0)) - 2.0 * made
         known = ca.Function("known", [q, *symbols.values()], [made, twice])
-        once, double = (float(value) for value in known(0.37, *(0.61 + 0.1 * k for k in range(len(symbols)))))
-        if once == 0.0 or abs(double / once - 2.0) > _ALIKE:
+        once, beside = (float(value) for value in known(0.37, *(0.61 + 0.1 * k for k in range(len(symbols)))))
+        if once == 0.0 or abs(beside / once) > _ALIKE:
             return None
     used = [p for p in law.parameters if not p.shape and ca.depends_on(made, symbols[p.name])]
     strengths, inside = ([p for p in used if p.strength == wanted] for wanted in (True, False))
