@@ -131,5 +131,7 @@ def _names(shares: list[Share]) -> str:
 
 def percent(share: float, std: float) -> str:
     """``81 ± 4 %``: to a tenth where the error is below one."""
-    digits = 0 if 100.0 * std >= 0.95 else 1
-    return f"{100.0 * share:.{digits}f} ± {100.0 * std:.{digits}f} %".replace("-0", "0", 1)
+    error = 100.0 * std
+    digits = 0 if int(error) > 0 else 1
+    value = round(100.0 * share, digits) + 0.0  # no minus before a zero
+    return f"{value:.{digits}f} ± {error:.{digits}f} %"

@@ -23,6 +23,7 @@ from .what_it_follows import LINES, Symptoms, line_columns, plainest
 
 _GROUPS = budget(40, "groups of blocks", why="an error from forty is good to an eighth")
 _RIDGE = numerics(1e-10, "of a column's power", why="columns that say the same twice: a sum of hats is a constant")
+_LEAST = numerics(1e-9, "of all power", why="a group with less of it has no share of its own")
 _PIECES = numerics(10, "pieces over the range of the amplitude", why="as the pieces of a force")
 
 
@@ -183,7 +184,7 @@ def jackknife(made: np.ndarray, size: np.ndarray) -> tuple[float, float]:
         size: (1 + groups,) what stands for how much there is: in all groups, and in all but each one.
     """
     whole, without, n, groups = float(made[0]), made[1:], float(size[0]), made.size - 1
-    parts = n / np.maximum(n - size[1:], 1e-9 * n)  # so many groups of this size there would be
+    parts = n / np.maximum(n - size[1:], _LEAST * n)  # so many groups of this size there would be
     estimate = groups * whole - float(np.sum((1.0 - 1.0 / parts) * without))
     pseudo = parts * whole - (parts - 1.0) * without
     return estimate, float(np.sqrt(np.mean((pseudo - estimate) ** 2 / (parts - 1.0))))
