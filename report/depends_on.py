@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..diagnose.result import Location
 
 _ROLES = {"part": "a part of it", "adds": "adds to it", "nothing": "adds nothing", "not-told": "not told"}
+_ROOM = 10.0  # per cent beside none and all
 _HALF = 0.32  # of a bar's row
 _CAP = 0.12  # half of the stroke at either end of an error
 
@@ -63,7 +64,8 @@ def depends_on_figure(depends: DependsOn, key: str = "depends-on") -> Chart:
         panel.title = title
         panel.y.set(names=names if panel is alone else (), low=-0.7, high=len(names) - 0.3)
         panel.x.label = "Share of the missing force's power [%]"
-    alone.x.set(low=min(0.0, alone.limits("x")[0]), high=max(105.0, alone.limits("x")[1]))
+    # what is not told has errors of any size, which would hide the others
+    alone.x.set(low=max(min(0.0, alone.limits("x")[0]), -_ROOM), high=100.0 + _ROOM)
     return chart
 
 

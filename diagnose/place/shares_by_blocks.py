@@ -9,12 +9,14 @@ these, block by block, so that leaving a block out costs a subtraction and no pa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
+from ...identify.signals.odds import ABOVE_NOISE
 from ...identify.signals.registry import budget, numerics
 from ..depends_on import DependsOn, Share
 from .free_form import KINDS, Rows, family, hats, nodes_of
@@ -144,10 +146,12 @@ def depends_on(signature: Symptoms, *, base_moves: bool = False) -> DependsOn | 
     kinds = {name: columns for name, columns in kinds.items() if columns.shape[1]}
     products = _Products.of(rows, kinds).without()
     before = products.taken(["family"], products.along)
-    left = products.power[:, 0] - before
-    excess = left - products.power[:, 1] + products.taken(["family"], products.silent)
+    silent = products.power[:, 1] - products.taken(["family"], products.silent)
+    excess = products.power[:, 0] - before - silent
     if not np.all(excess > 0):
         return None
+    # the noise is known to a tenth at most: to two errors, so that one error of its power is a tenth as well
+    doubt = (ABOVE_NOISE - 1.0) * float(silent[0] / excess[0])
 
     def share(*names: str) -> np.ndarray:
         return (products.taken(["family", *names], products.along) - before) / excess
@@ -156,7 +160,8 @@ def depends_on(signature: Symptoms, *, base_moves: bool = False) -> DependsOn | 
     used, lead = products.rank(["family", first]), share(first)
     shares = []
     for kind in kinds:
-        alone, adds = (jackknife(part, products.size) for part in (share(kind), share(first, kind) - lead))
+        both = (jackknife(part, products.size) for part in (share(kind), share(first, kind) - lead))
+        alone, adds = ((value, math.hypot(error, doubt * value)) for value, error in both)
         within = products.rank(["family", first, kind]) == used
         name = "base" if kind == "force" and base_moves else kind
         shares.append(Share(name, *alone, *(alone if kind == first else (0.0, 0.0) if within else adds), within=within))

@@ -27,6 +27,7 @@ _POWERS = ((1,), (2,), (3,), (1, 2, 3))  # of the distance from a place: a bend,
 _NEAR = 24  # fits whose constants and places are sought beyond a grid, the shortest first
 _STEP = 1e-4  # of a constant, for its derivative
 _SHOWS = 2.0  # errors of the curve: less of a law within a range tells nothing of it
+_RARELY = 0.03  # of the mean density: so often at least was the motion anywhere within the range
 _NODES = 15  # of a density over the range of a curve, about as many as knots
 _ALIKE = 1e-10  # of the power of a column: what it has beside others that say the same
 
@@ -112,6 +113,7 @@ def _as_recorded(at: np.ndarray, whitener: np.ndarray) -> np.ndarray:
     sums = np.einsum("nk,ni,nj->ijk", straight, errors, errors)
     weight, _ = nnls(sums.reshape(-1, _NODES), np.eye(errors.shape[1]).ravel())
     density = straight @ weight
+    density = np.maximum(density, _RARELY * np.mean(density))  # else a law might do anything there
     # exactly the whitener for what the spline has, and for the rest as the density says
     inner = errors.T * density
     return np.linalg.solve(inner @ errors, inner)
