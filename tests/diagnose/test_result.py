@@ -129,7 +129,7 @@ def test_the_place_where_the_family_fails_is_told_by_its_ranges():
 
 def test_on_what_the_missing_force_depends_stands_at_its_place():
     depends = DependsOn((Share("velocity", 0.9, 0.02, 0.9, 0.02, within=True),), 40)
-    nowhere = {name: (0.0, 1.0) for name in ("displacement", "velocity", "amplitude", "frequency_hz", "time_s")}
+    nowhere = dict.fromkeys(("displacement", "velocity", "amplitude", "frequency_hz", "time_s"), (0.0, 1.0))
     place = Location("dissipation", "at speed", recordings=(), harmonics={}, depends_on=depends, **nowhere)
     made = written(location=place)["location"]["depends_on"]
     assert (made["first"], made["sentence"]) == ("velocity", "90 ± 2 % by velocity")
