@@ -78,6 +78,11 @@ class DependsOn:
         """The plainest kind that explains about as much as the best."""
         return self.shares[0]
 
+    @property
+    def told(self) -> bool:
+        """Whether the share of the first kind is more than its error."""
+        return self.first.share > SIGNIFICANT * self.first.std
+
     def those(self, role: str) -> list[Share]:
         """Kinds of one role: of those that add something the most first, else in the order of ``WORDS``."""
         found = [share for share in self.shares if share.role == role]
@@ -86,7 +91,10 @@ class DependsOn:
     @property
     def sentence(self) -> str:
         """``81 ± 4 % by displacement and velocity together; time adds nothing (at most 0.2 ± 0.6 %)``."""
-        said = [f"{percent(self.first.share, self.first.std)} by {WORDS[self.first.kind]}"]
+        part = f"{percent(self.first.share, self.first.std)} by {WORDS[self.first.kind]}"
+        if not self.told:
+            return f"not told by these recordings; the most, {part}"
+        said = [part]
         said += [f"{WORDS[s.kind]} adds {percent(s.adds, s.adds_std)}" for s in self._said()[:_MOST]]
         if idle := self.those("nothing"):
             most = max(idle, key=lambda share: share.adds + share.adds_std)
@@ -107,6 +115,7 @@ class DependsOn:
         """As ``diagnosis.json`` has it, under ``depends_on`` of the location."""
         return {
             "first": self.first.kind,
+            "told": self.told,
             "sentence": self.sentence,
             "shares": [
                 {

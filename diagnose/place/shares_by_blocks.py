@@ -161,7 +161,7 @@ def depends_on(signature: Symptoms, *, base_moves: bool = False) -> DependsOn | 
     shares = []
     for kind in kinds:
         both = (jackknife(part, products.size) for part in (share(kind), share(first, kind) - lead))
-        alone, adds = ((value, math.hypot(error, doubt * value)) for value, error in both)
+        alone, adds = ((min(value, 1.0), math.hypot(error, doubt * value)) for value, error in both)
         within = products.rank(["family", first, kind]) == used
         name = "base" if kind == "force" and base_moves else kind
         shares.append(Share(name, *alone, *(alone if kind == first else (0.0, 0.0) if within else adds), within=within))

@@ -31,6 +31,13 @@ def test_both_coordinates_are_not_said_beside_the_one_that_makes_them_add():
     assert "together adds" in DependsOn((first, more, velocity), 40).sentence
 
 
+def test_a_share_that_is_no_more_than_its_error_is_not_told():
+    found = DependsOn((Share("memory", 0.45, 0.35, 0.45, 0.35, within=True), Share("time", 0.0, 0.0, 0.2, 0.01)), 40)
+    assert not found.told
+    assert found.sentence == "not told by these recordings; the most, 45 ± 35 % by the motion before"
+    assert found.as_json()["told"] is False
+
+
 def test_a_long_list_is_cut():
     kinds = ("time", "velocity", "force", "memory", "constant", "delay")
     shares = tuple(Share(kind, 0.0, 0.01, 0.0, 0.01) for kind in kinds)

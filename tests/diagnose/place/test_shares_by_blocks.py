@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from dashpot.diagnose.place.equation_error import equation_error
 from dashpot.diagnose.place.free_form import KINDS, explained, rows_of
 from dashpot.diagnose.place.shares_by_blocks import SAID, depends_on, groups_of, jackknife
 from dashpot.diagnose.place.what_it_follows import symptoms
+from dashpot.identify.problem.data import data_of
+from dashpot.model import Oscillator
+from dashpot.model.oscillator import Response
+from dashpot.model.terms import with_term
+
+from .test_smoother import VALUES, recorded
 
 
 def told(*stretches):
@@ -95,6 +104,20 @@ def test_the_errors_cover_what_noise_makes_of_a_share(stretch):
     shares, errors = np.array([s.share for s in found]), np.array([s.std for s in found])
     assert np.std(shares) < 2.0 * np.mean(errors) < 6.0 * np.std(shares)
     assert np.mean(shares) == pytest.approx(0.5, abs=0.05)
+
+
+def test_of_a_simulated_rig_with_a_stop_all_is_the_displacement_s():
+    """Through the engine and the smoother: what noise hides of the force is not taken for another cause."""
+    base = Oscillator.from_values(VALUES)
+    stop = with_term(base, "one-sided-stop", {"stiffness": 8e3, "position": 2e-3, "damping": 0.0})
+    recording = recorded(stop, seconds=20.0)
+    family = replace(base, response=Response(recording.quantity, recording.unit))
+    stretches, _ = equation_error(family, data_of([recording], family))
+    found = told(*stretches)
+    assert found.told
+    assert found.first.kind == "displacement"
+    assert abs(found.first.share - 1.0) < 2 * found.first.std < 0.2
+    assert {"time", "velocity", "force", "memory"} <= {share.kind for share in found.those("nothing")}
 
 
 def test_groups_are_whole_blocks_in_order_and_of_like_power(stretch):
