@@ -15,10 +15,13 @@ from ..identify.signals.registry import shown
 from ..model import Oscillator, Parameter, Response
 from ..model.fit_state import Left
 from ..model.formula.closed_form import ClosedForm
+from ..model.formula.nearest_law import NearestLaw
+from ..model.formula.nearest_words import as_json as nearest_as_json
 from ..model.left import over
 from ..model.physical import law_strengths
 from ..recording.recording import Recording
 from ..simulate.work import Work
+from .depends_on import DependsOn
 
 SURE = shown(
     1e6, "odds", why="odds beyond this say no more than that nothing else is left: the noise itself is known no better"
@@ -100,7 +103,8 @@ class Effect:
 class Location:
     """Where simulation and recording differ.
 
-    Ranges are (low, high); harmonics maps the order to its share of the mismatch's power.
+    Ranges are (low, high); harmonics maps the order to its share of the mismatch's power. ``depends_on`` has the shares
+    of the missing force by kind of coordinate; None where it is not known.
     """
 
     path: str
@@ -112,6 +116,7 @@ class Location:
     time_s: tuple[float, float]
     recordings: tuple[str, ...]
     harmonics: Mapping[int, float]
+    depends_on: DependsOn | None = None
 
 
 @dataclass(frozen=True)
@@ -211,6 +216,7 @@ class Diagnosis:
         work: how often the recordings were simulated for it, and how long that took.
         recordings: all that it was judged by, whole, less what the measuring chain does.
         forms: closed forms that the learnt curves of ``model`` may be, of each the shortest first.
+        nearest: of each learnt curve the nearest law of the library, and where the curve departs from it.
     """
 
     verdict: Verdict
@@ -229,6 +235,7 @@ class Diagnosis:
     work: Work | None = None
     recordings: tuple[Recording, ...] = ()
     forms: tuple[ClosedForm, ...] = ()
+    nearest: tuple[NearestLaw, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Diagnosis: {self.verdict}. {self.sentence}>"
@@ -298,6 +305,7 @@ class Diagnosis:
             },
             "parameter_shift": self.parameter_shift(),
             "formulas": [form.as_json() for form in self.forms],
+            "nearest_laws": [nearest_as_json(law, self.model) for law in self.nearest],
             "considered": [
                 {
                     "effect": c.effect,
@@ -329,6 +337,7 @@ def _location(location: Location) -> dict[str, Any]:
         "time_s": list(location.time_s),
         "recordings": list(location.recordings),
         "harmonics": {str(order): share for order, share in location.harmonics.items()},
+        "depends_on": None if location.depends_on is None else location.depends_on.as_json(),
     }
 
 

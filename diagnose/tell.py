@@ -14,6 +14,7 @@ from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted
 from ..model import Oscillator
 from ..model.formula.closed_form import closed_forms
+from ..model.formula.nearest_words import nearest_laws
 from ..model.law import Law
 from ..model.left import share_of_motion
 from ..model.library import find
@@ -120,6 +121,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
         notes=(*case.notes, *remarks),
         chain=case.chain,
         forms=() if after is None else closed_forms(after),
+        nearest=() if after is None else nearest_laws(after),
         recordings=case.uncut if case.in_pieces else (*case.recordings, *case.holdout),
     )
 

@@ -10,6 +10,7 @@ from ..diagnose.wording import effects_in_words
 from ..export.render import plain_text
 from ..model.display import full_stop, number, quantity_text, times_text
 from ..model.effect_words import effect_in_words
+from ..model.formula.nearest_words import in_words
 from .before_after import fit_sentence, ratio_to_floor
 from .diagnosis_page import mark_of, next_step, remarks
 from .effects import BENT, is_curve, shifts, size_text
@@ -39,8 +40,13 @@ def describe(diagnosis: Diagnosis) -> str:
     for form in [form for form in diagnosis.forms if form.information == 0.0]:
         numbers = ", ".join(f"{name} = {_value(p)}" for name, p in form.constants.items())
         lines += ["", f"The shape of {form.effect}, within its band", f"  {form.text}", *_wrapped(numbers, "  ", 2)]
+    for law in diagnosis.nearest:
+        lines += ["", f"The nearest law to {law.effect}", *_wrapped(f"{in_words(law, diagnosis.model)}.", "  ", 2)]
     if diagnosis.location is not None and diagnosis.location.statement.strip():
         lines += ["", "Where", *_wrapped(full_stop(diagnosis.location.statement), "  ", 3)]
+    if diagnosis.location is not None and diagnosis.location.depends_on is not None:
+        said = f"{diagnosis.location.depends_on.sentence}."
+        lines += ["", "On what the missing force depends, of its power", *_wrapped(said, "  ", 4)]
     if diagnosis.records:
         lines += ["", *_recordings(diagnosis)]
     bent = _bent(diagnosis)

@@ -10,14 +10,16 @@ import numpy as np
 from ..model import units
 from ..model.display import pretty_unit, scale_of, value_text
 from ..model.formula.curve import LearntCurve, curve_of, learnt_terms
+from ..model.formula.nearest_words import in_words
 from .blocks import Block, Section, Table, Text, picture
 from .chart import Chart
-from .style import AFTER, BEFORE, MEASURED
+from .style import AFTER, BEFORE, EXACT, MEASURED
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis
     from ..model import Oscillator, Parameter
     from ..model.formula.closed_form import ClosedForm
+    from ..model.formula.nearest_law import NearestLaw
 
 _NORMAL = 1.96  # standard errors: 95 %
 _WORDS = {
@@ -36,13 +38,26 @@ def learnt_section(diagnosis: Diagnosis) -> Section:
     for term in learnt_terms(model) if model.identified.covariance is not None else ():
         curve = curve_of(model, term)
         forms = [form for form in diagnosis.forms if form.effect == curve.effect]
-        blocks.append(picture(partial(learnt_figure, model, curve, forms[:1]), _caption(forms)))
+        nearest = next((law for law in diagnosis.nearest if law.effect == curve.effect), None)
+        blocks.append(picture(partial(learnt_figure, model, curve, forms[:1], nearest), _caption(forms)))
+        if nearest is not None:
+            blocks.append(Text(f"{in_words(nearest, model)}.{_beside(nearest)}", lead="The nearest law:"))
         blocks += _forms(forms)
     return Section("What was learnt, as a curve and as a formula", tuple(blocks))
 
 
-def learnt_figure(model: Oscillator, curve: LearntCurve, forms: list[ClosedForm]) -> Chart:
-    """Chart of the whole curve, and of it without its straight line; form values over it."""
+def _beside(nearest: NearestLaw) -> str:
+    """The law's constants, fitted to the curve where it lies within the band."""
+    if not nearest.parameters:
+        return ""
+    numbers = ", ".join(f"{name} = {_with_error(p)}" for name, p in nearest.parameters.items())
+    return f" Fitted to the curve there: {numbers}."
+
+
+def learnt_figure(
+    model: Oscillator, curve: LearntCurve, forms: list[ClosedForm], nearest: NearestLaw | None = None
+) -> Chart:
+    """Chart of the whole curve, and of it without its straight line; form values, and where a law ends, over it."""
     kind, response = curve.kind, model.response
     over_unit, force = (
         units.compose(template, response.displacement_unit, model.force_unit, response.unit)
@@ -64,10 +79,23 @@ def learnt_figure(model: Oscillator, curve: LearntCurve, forms: list[ClosedForm]
         panel.line(shown, value, AFTER, "learnt")
         for form in forms:
             panel.line(shown, form.at(curve.at) - part * straight, BEFORE, "closed form", dash="--", width=2.0)
+        for place in _departures(nearest):
+            panel.rule(place * across.factor, EXACT, f"{_law(nearest)} up to here", dash=":", upright=True)
         panel.x.set(label=across.label(over), tight=True)
         panel.y.set(label=f"{what} [{pretty_unit(force)}]")
         panel.title = title
     return chart
+
+
+def _law(nearest: NearestLaw | None) -> str:
+    return "" if nearest is None else nearest.law or "Eq. 17"
+
+
+def _departures(nearest: NearestLaw | None) -> list[float]:
+    """Where the curve departs from the nearest law."""
+    if nearest is None:
+        return []
+    return [at for at, way in ((nearest.low, nearest.below), (nearest.high, nearest.above)) if way]
 
 
 def _caption(forms: list[ClosedForm]) -> str:

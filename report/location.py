@@ -12,6 +12,7 @@ from ..model import units
 from ..model.display import Scale, full_stop, number, percent_text, scale_of
 from .blocks import Block, Section, Table, Text, picture
 from .chart import Box, Chart, Note
+from .depends_on import depends_on_blocks
 from .style import BEFORE, GRID
 
 if TYPE_CHECKING:
@@ -79,6 +80,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
         blocks.append(Text(f"It lies {PATHS[place.path]} (path: {place.path})."))
     else:
         blocks.append(Text("It does not show where in the rig the mismatch lies."))
+    blocks += depends_on_blocks(place)
     if place.recordings:
         blocks.append(Text("It shows in " + ", ".join(place.recordings) + "."))
     return Section(title, tuple(blocks))

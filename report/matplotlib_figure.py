@@ -68,8 +68,8 @@ def _axis(axes: Any, name: Literal["x", "y"], of: Axis, ends: tuple[float, float
     if of.log:
         log_ticks(axis)
     if of.names is not None:
-        tilt = 40 if sum(len(name) for _, name in of.names) > 60 else 0
-        axis.set_ticks([at for at, _ in of.names], [name for _, name in of.names], rotation=tilt)
+        tilt = 40 if name == "x" and sum(len(word) for _, word in of.names) > 60 else 0
+        axis.set_ticks([at for at, _ in of.names], [word for _, word in of.names], rotation=tilt)
     if of.dates:
         from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
 

@@ -6,7 +6,9 @@ the place where it acts can be read from it. It is the smoother's, with one prio
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -40,6 +42,7 @@ class Stretch:
         drive, drive_rate, drive_bend: (n,) force per unit mass and its first two derivatives.
         amplitude, frequency_hz, phase: (n,) of the motion by its Hilbert transform, NaN where it has none.
         block: (n,) number of the block of cycles that a sample belongs to.
+        seen: gives of forces (n, m) along the stretch what the smoother would find of them; None: all.
     """
 
     name: str
@@ -57,6 +60,7 @@ class Stretch:
     frequency_hz: np.ndarray
     phase: np.ndarray
     block: np.ndarray
+    seen: Callable[[np.ndarray], np.ndarray] | None = None
 
     @property
     def n(self) -> int:
@@ -121,4 +125,13 @@ def _stretch(name: str, driven: bool, smoothed: Smoothed, smoother: Smoother) ->
         frequency_hz=frequency[keep],
         phase=phase[keep],
         block=((keep * dt) / (BLOCK_CYCLES * period)).astype(int),
+        seen=partial(_seen, smoother, (smoothed.strength, smoothed.memory), keep),
     )
+
+
+def _seen(smoother: Smoother, prior: tuple[float, float], keep: np.ndarray, forces: np.ndarray) -> np.ndarray:
+    """(n, m) what the smoother finds of forces (n, m) that are known at the samples ``keep``."""
+    from scipy.interpolate import make_interp_spline
+
+    inside = np.clip(np.arange(smoother.n), keep[0], keep[-1])
+    return smoother.makes_of(make_interp_spline(keep, forces, k=3, axis=0)(inside), prior)[keep]

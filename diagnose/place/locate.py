@@ -13,6 +13,7 @@ from ..limits import LEAST_EVIDENCE
 from ..result import Location, RecordFit
 from .equation_error import equation_error
 from .mismatch_ranges import excess_range
+from .shares_by_blocks import depends_on
 from .statement import how_far_off, in_which_recordings, what_it_follows
 from .what_it_follows import Symptoms, symptoms
 
@@ -87,4 +88,5 @@ def _location(signature: Symptoms, data: Data, fitted: Fitted, off: str) -> Loca
         time_s=ranges["time_s"],
         recordings=signature.here or tuple(names),
         harmonics=signature.orders,
+        depends_on=depends_on(signature, base_moves=model.is_base_driven),
     )

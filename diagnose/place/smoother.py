@@ -47,6 +47,7 @@ _PARTS = numerics(
     why="at which the force of the model is evaluated, so that the instant of a sign change counts",
 )
 _LEAST_NOISE = numerics(1e-4, "part of the signal", why="rounding and interpolation are not nothing")
+_TOGETHER = budget(16, "forces", why="smoothed at once, so that long recordings fit into memory")
 _PLACES = numerics(24, "places", why="standard deviations are found there and interpolated: they change slowly")
 _TRIALS = budget(20, "values of strength and memory", why="a search in two unknowns with a smooth likelihood")
 _RUINED = numerics(1e30, "log-likelihood", why="of what the numbers do not carry: no search goes there")
@@ -334,6 +335,30 @@ class Smoother:
             strength=strength,
             memory=memory,
         )
+
+    def makes_of(self, forces: np.ndarray, prior: tuple[float, float]) -> np.ndarray:
+        """(n, m) what ``smooth`` with that prior would find of missing forces (n, m): what noise hides is not in it.
+
+        Of states z that obey z[k + 1] = phi[k] z[k] + w[k] with a w of the force alone, the smoother finds all but
+        what its prior asks to be smaller: the solution for that w.
+        """
+        from scipy.linalg import cho_solve_banded, cholesky_banded
+
+        strength, memory = prior
+        system = self._system(strength, memory, 0, self.n)
+        factor = cholesky_banded(system.band, lower=True, check_finite=False)
+        lasts = self._blocks(memory, 0, self.n)[0][:, 2, 2]
+        found = np.empty(forces.shape)
+        for first in range(0, forces.shape[1], _TOGETHER):
+            force = forces[:, first : first + _TOGETHER]
+            kick = force[1:] - lasts[:, None] * force[:-1]
+            asked = np.zeros((self.n, 3, force.shape[1]))
+            asked[1:] += system.inverse[:, :, 2, None] * kick[:, None]
+            asked[:-1] -= system.carried[:, :, 2, None] * kick[:, None]
+            asked[0, 2] += force[0] / self._begin(strength)[2]
+            hidden = cho_solve_banded((factor, True), asked.reshape(3 * self.n, -1), check_finite=False)
+            found[:, first : first + _TOGETHER] = force - hidden[2::3]
+        return found
 
 
 def _thinned(signal: np.ndarray, factor: int) -> np.ndarray:

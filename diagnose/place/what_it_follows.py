@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,8 @@ from .mismatch_ranges import Line, line_in, orders, where_it_is
 
 #: Kinds of coordinates, the plainest first: a less plain one has to explain more than this part beyond the plainer one.
 _ORDER = ("constant", "delay", "time", "displacement", "velocity", "damping by position", "sensor", "force")
+#: One frequency: as strong in all recordings, or the more the harder the rig is driven.
+LINES = ("tone", "ringing")
 #: Kinds that hold another one within them, or lie within it.
 _RELATED = {
     "constant": ("displacement", "velocity", "force", "displacement and velocity"),
@@ -84,7 +86,7 @@ def symptoms(stretches: Sequence[Stretch]) -> Symptoms:
 
 def _kind(explains: dict[str, float]) -> str:
     best = max(explains.values())
-    for name in ("tone", "ringing"):
+    for name in LINES:
         if explains.get(name, 0.0) > max(TELLING, PLAINER * best):
             return name
     if best < TELLING:
@@ -92,22 +94,34 @@ def _kind(explains: dict[str, float]) -> str:
         strangers = [share for kind, share in explains.items() if kind not in (leader, *_RELATED.get(leader, ()))]
         if best < FAINT or best < AHEAD * max(strangers, default=0.0):
             return "unknown"
-    part = dict.fromkeys(_ORDER, PLAINER) | GENERALITY
-    name = next(kind for kind in part if explains.get(kind, -1.0) >= part[kind] * best)
+    name = plainest(explains)
     if name == "displacement and velocity":
         return max(("displacement", "velocity", "damping by position"), key=lambda kind: explains[kind])
     return name
 
 
+def plainest(explains: Mapping[str, float]) -> str:
+    """The plainest kind whose share is about that of the best one; a line where nothing else comes near to it."""
+    part = dict.fromkeys(_ORDER, PLAINER) | GENERALITY
+    best = max(explains, key=lambda kind: explains[kind])
+    return next((kind for kind in part if explains.get(kind, -1.0) >= part[kind] * explains[best]), best)
+
+
 def _line_share(rows: Rows, frequency: float) -> float:
+    columns = line_columns(rows, frequency)
+    gain = explained(rows, columns * rows.weight[:, None]) - idle(rows, columns.shape[1])
+    return min(gain / max(float(rows.left @ rows.left - rows.silent @ rows.silent), 1e-300), 1.0)
+
+
+def line_columns(rows: Rows, frequency: float) -> np.ndarray:
+    """(n, 2 stretches) one frequency, Hz, with a size and a phase of its own in each stretch."""
     columns = np.zeros((rows.target.size, 2 * len(rows.stretches)))
     edges = np.cumsum([0, *(s.n for s in rows.stretches)])
     for i, s in enumerate(rows.stretches):
         turn = 2 * np.pi * frequency * s.time
         columns[edges[i] : edges[i + 1], 2 * i] = np.cos(turn)
         columns[edges[i] : edges[i + 1], 2 * i + 1] = np.sin(turn)
-    gain = explained(rows, columns * rows.weight[:, None]) - idle(rows, columns.shape[1])
-    return min(gain / max(float(rows.left @ rows.left - rows.silent @ rows.silent), 1e-300), 1.0)
+    return columns
 
 
 def with_kind(signature: Symptoms) -> Rows:

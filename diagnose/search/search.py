@@ -391,10 +391,9 @@ class Search:
         if laws in self.candidates:
             return
         short = best - (self._paid(front) if front.resting else front.ceiling - self._cost(front.count))
-        why = f"left after {front.steps} steps: what it promised stayed {short:.4g} below the best"
-        if not math.isfinite(short):
-            why = f"left after {front.steps} steps: it does not follow the recordings"
-        elif front.resting:
+        far = f"what it promised stayed {short:.4g} below the best" if math.isfinite(short) else "it follows nothing"
+        why = f"left after {front.steps} steps: {far}"
+        if front.resting and math.isfinite(short):
             why = f"fitted, it stays {short:.4g} below the best in log-likelihood, its parameters paid for"
         left = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
         _log.info("%s: %s", left.name, why)

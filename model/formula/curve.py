@@ -56,17 +56,29 @@ class LearntCurve:
         at: (n,) where, in the unit of the variable, over what was recorded.
         value: (n,) of the curve.
         covariance: (n, n).
+        spacing: of its knots, in the unit of the variable.
     """
 
     effect: str
     at: np.ndarray
     value: np.ndarray
     covariance: np.ndarray
+    spacing: float = 0.0
 
     @property
     def kind(self) -> Kind:
         """What it is."""
         return KINDS[self.effect]
+
+    @property
+    def variable(self) -> str:
+        """See ``Kind``."""
+        return self.kind.variable
+
+    @property
+    def times(self) -> str:
+        """See ``Kind``."""
+        return self.kind.times
 
     @property
     def std(self) -> np.ndarray:
@@ -117,7 +129,8 @@ def curve_of(model: Oscillator, term: Term) -> LearntCurve:
     rows = np.array(provenance.covariance, float)
     jacobian = np.column_stack([columns.get(name, np.zeros(_POINTS)) for name in names])
     covariance = jacobian @ rows @ jacobian.T
-    return LearntCurve(effect, at, np.asarray(value), covariance)
+    spacing = 2.0 * reach / int(term.effect.rpartition("/")[2])
+    return LearntCurve(effect, at, np.asarray(value), covariance, spacing)
 
 
 def _made(law: Law, kind: Kind, q: Expression, own: Mapping[str, Expression]) -> Expression:

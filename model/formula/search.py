@@ -26,6 +26,13 @@ _ALIKE = 1e-5  # of their sizes: what two columns have apart that are one
 _WITHIN = 0.95  # of what chance leaves
 
 
+def contradicts(left: float, freedom: int) -> bool:
+    """Whether a squared distance in the curve's covariance is more than chance leaves."""
+    from scipy.special import chdtri
+
+    return left > float(chdtri(max(freedom, 1), 1.0 - _WITHIN))
+
+
 @dataclass(frozen=True, eq=False)
 class Formula:
     """One closed form of a curve.
@@ -52,9 +59,7 @@ class Formula:
     @property
     def within(self) -> bool:
         """Whether the curve does not contradict it."""
-        from scipy.special import chdtri
-
-        return self.left <= float(chdtri(max(self.freedom, 1), 1.0 - _WITHIN))
+        return not contradicts(self.left, self.freedom)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,11 +167,16 @@ def _best(first: _Grid, second: _Grid) -> tuple[float, int, int]:
     return float(gain[i, j]), int(i), int(j)
 
 
-def _target(curve: LearntCurve) -> _Target:
-    values, vectors = np.linalg.eigh(curve.covariance)
+def whitener_of(covariance: np.ndarray) -> np.ndarray:
+    """(rank, n) what makes errors one each of points with a covariance (n, n)."""
+    values, vectors = np.linalg.eigh(covariance)
     kept = values > _RANK * values[-1]
-    whitener = (vectors[:, kept] / np.sqrt(values[kept])).T
-    line = np.ones(curve.at.size) if curve.kind.times else curve.at
+    return (vectors[:, kept] / np.sqrt(values[kept])).T
+
+
+def _target(curve: LearntCurve) -> _Target:
+    whitener = whitener_of(curve.covariance)
+    line = np.ones(curve.at.size) if curve.times else curve.at
     pieces = len(ATOMS)
     return _Target(curve.at, whitener, whitener @ curve.value, line, math.log(pieces))
 

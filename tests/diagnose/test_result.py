@@ -7,9 +7,11 @@ import math
 
 import numpy as np
 import pytest
+from dashpot.diagnose.depends_on import DependsOn, Share
 from dashpot.diagnose.result import ChainFact, Considered, Diagnosis, Effect, Experiment, Location, RecordFit
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Parameter, Response, oscillator_with
+from dashpot.model.formula.nearest_law import NearestLaw
 
 FAMILY = Oscillator.from_values(TRUTH | {"dry": 0.5})
 MENDED = oscillator_with(TRUTH | {"quadratic-drag.coefficient": 2.0}, effects=("quadratic-drag",))
@@ -121,7 +123,22 @@ def test_the_place_where_the_family_fails_is_told_by_its_ranges():
         **{name: list(edges) for name, edges in ranges.items()},
         "recordings": ["sweep"],
         "harmonics": {"1": 0.75, "3": 0.25},
+        "depends_on": None,
     }
+
+
+def test_on_what_the_missing_force_depends_stands_at_its_place():
+    depends = DependsOn((Share("velocity", 0.9, 0.02, 0.9, 0.02, within=True),), 40)
+    nowhere = dict.fromkeys(("displacement", "velocity", "amplitude", "frequency_hz", "time_s"), (0.0, 1.0))
+    place = Location("dissipation", "at speed", recordings=(), harmonics={}, depends_on=depends, **nowhere)
+    made = written(location=place)["location"]["depends_on"]
+    assert (made["first"], made["sentence"]) == ("velocity", "90 ± 2 % by velocity")
+
+
+def test_the_nearest_law_of_a_learnt_curve_is_written():
+    nearest = NearestLaw("free/spring", "x", "", "softening-stiffness", -3e-3, 3e-3, 5e-3, "more", "more", {})
+    (made,) = written(nearest=(nearest,))["nearest_laws"]
+    assert (made["law"], made["to"], made["above"]) == ("softening-stiffness", 3e-3, "harder")
 
 
 def test_what_to_record_next_is_a_sentence():

@@ -6,6 +6,8 @@ import re
 from dataclasses import replace
 
 import pytest
+from dashpot.diagnose.depends_on import DependsOn, Share
+from dashpot.model.formula.nearest_law import NearestLaw
 from dashpot.report.diagnosis_text import describe
 
 SAID = {"missing-physics": "◆ Missing physics.", "consistent": "✓ Consistent.", "unexplained": "▲ Unexplained."}
@@ -78,3 +80,14 @@ def test_the_text_stays_short_however_much_there_is_to_say(hand_made) -> None:
     lines = describe(diagnosis).splitlines()
     assert len(lines) <= 62
     assert max(len(line) for line in lines) <= 100
+
+
+def test_on_what_the_force_depends_and_the_nearest_law_have_their_lines(hand_made) -> None:
+    diagnosis = hand_made.missing()
+    shares = (Share("velocity", 0.9, 0.02, 0.9, 0.02, within=True), Share("time", 0.0, 0.0, 0.002, 0.006))
+    nearest = NearestLaw("free/spring", "x", "", "softening-stiffness", -3e-3, 3e-3, 5e-3, "more", "more", {})
+    place = replace(diagnosis.location, depends_on=DependsOn(shares, 40))
+    text = describe(replace(diagnosis, location=place, nearest=(nearest,)))
+    assert "The nearest law to free/spring\n  as softening-stiffness up to 3 mm on both sides, then harder.\n" in text
+    said = "90 ± 2 % by velocity; time adds nothing (at most 0.2 ± 0.6 %)."
+    assert f"On what the missing force depends, of its power\n  {said}\n" in text

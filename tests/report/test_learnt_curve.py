@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from dashpot.model import Oscillator
 from dashpot.model.formula.closed_form import closed_forms
+from dashpot.model.formula.nearest_words import nearest_laws
 from dashpot.model.library import find
 from dashpot.model.oscillator import Provenance
 from dashpot.model.terms import with_term
 from dashpot.report.blocks import Figure, Table, Text
-from dashpot.report.chart import Band, Line
+from dashpot.report.chart import Band, Line, Rule
 from dashpot.report.learnt_curve import learnt_section
 
 VALUES = {"mass": 2.0, "omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 3.0, "dry": 0.0}
@@ -39,8 +40,10 @@ def test_the_section_shows_curve_band_and_form(model):
     forms = closed_forms(model)
     assert forms[0].text == "c0 x + c1 x²"
     assert forms[0].constants["c1"].value == pytest.approx(4000.0 / (2 * REACH), rel=0.05)
-    section = learnt_section(SimpleNamespace(model=model, forms=forms))
-    figure, table, text = section.blocks
+    nearest = nearest_laws(model)
+    section = learnt_section(SimpleNamespace(model=model, forms=forms, nearest=nearest))
+    figure, law, table, text = section.blocks
+    assert law.text.startswith("as quadratic-stiffness over all that was recorded. Fitted to the curve there: coeff")
     assert isinstance(figure, Figure)
     assert isinstance(table, Table)
     assert isinstance(text, Text)
@@ -56,8 +59,20 @@ def test_the_section_shows_curve_band_and_form(model):
     assert "--write-law learnt-spring.py" in text.text
 
 
+def test_a_rule_stands_where_a_curve_departs_from_the_nearest_law(model):
+    (nearest,) = nearest_laws(model)
+    nearest = replace(nearest, high=3e-3, above="more")
+    section = learnt_section(SimpleNamespace(model=model, forms=(), nearest=(nearest,)))
+    figure, law = section.blocks
+    assert "as quadratic-stiffness up to 3 mm on the positive side, then harder." in law.text
+    for panel in figure.chart.panels:
+        (rule,) = [mark for mark in panel.marks if isinstance(mark, Rule)]
+        assert rule.at == pytest.approx(3.0)
+        assert rule.upright
+
+
 def test_a_curve_without_a_form_says_so(model):
-    section = learnt_section(SimpleNamespace(model=model, forms=()))
+    section = learnt_section(SimpleNamespace(model=model, forms=(), nearest=()))
     (figure,) = section.blocks
     assert isinstance(figure, Figure)
     assert "No closed form of at most two pieces lies within its band." in figure.caption
@@ -65,9 +80,9 @@ def test_a_curve_without_a_form_says_so(model):
 
 def test_nothing_learnt_has_no_section(model):
     plain = Oscillator.from_values(VALUES)
-    assert learnt_section(SimpleNamespace(model=plain, forms=())).blocks == ()
+    assert learnt_section(SimpleNamespace(model=plain, forms=(), nearest=())).blocks == ()
     bare = replace(model, identified=Provenance())
-    assert learnt_section(SimpleNamespace(model=bare, forms=())).blocks == ()
+    assert learnt_section(SimpleNamespace(model=bare, forms=(), nearest=())).blocks == ()
 
 
 @pytest.mark.parametrize(
@@ -92,7 +107,7 @@ def test_a_mass_a_drive_and_a_sensor_are_drawn_with_their_form(effect, bend, for
     assert (forms[0].constants["c0"].value, forms[0].constants["c1"].unit) == (pytest.approx(1.0, abs=0.01), unit)
     square = bend / (2 * REACH**2) if effect == "free/inertia" else bend / (2 * REACH)
     assert forms[0].constants["c1"].value == pytest.approx(square, rel=0.1)
-    figure = learnt_section(SimpleNamespace(model=made, forms=forms)).blocks[0]
+    figure = learnt_section(SimpleNamespace(model=made, forms=forms, nearest=())).blocks[0]
     assert isinstance(figure, Figure)
     assert f"Dashed: {form}" in figure.caption
     assert len(figure.chart.panels) == 2

@@ -149,6 +149,8 @@ def test_the_rate_of_a_force_is_that_of_a_cubic_over_a_sixth_of_a_cycle(a_cycle,
         noise=np.zeros(n),
         drive=drive,
         moving=np.arange(n) != 5 * a_cycle,
+        strength=1.0,
+        memory=1.0,
     )
     stretch = _stretch("run", True, smoothed, SimpleNamespace(dt=dt, period=a_cycle * dt))  # type: ignore[arg-type]
     assert stretch is not None

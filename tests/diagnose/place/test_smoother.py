@@ -14,6 +14,7 @@ from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force
+from scipy.linalg import cho_solve_banded, cholesky_banded
 
 VALUES = {"mass": 0.5, "omega0": 60.0, "cubic": 2e8, "preload": 0.05, "viscous": 1.5, "dry": 0.06}
 FS = 600.0
@@ -165,3 +166,23 @@ def test_the_slopes_are_those_of_the_likelihood(quantity):
         ahead, behind = here + step * np.eye(2)[k], here - step * np.eye(2)[k]
         moved = [smoother.log_likelihood(*np.exp(place), 200, 1200) for place in (ahead, behind)]
         assert slopes[k] == pytest.approx((moved[0] - moved[1]) / (2 * step), rel=1e-3, abs=1e-3)
+
+
+def test_what_it_would_find_of_a_force_is_what_it_finds_of_the_motion_that_the_force_makes(linear):
+    """The motion by the transitions themselves, then smoothed as a measured one."""
+    strength, memory, n = 0.5, 0.02, linear.n
+    turn = np.linspace(0.0, 80.0, n)
+    force = np.column_stack([np.sin(turn), np.sign(np.sin(0.3 * turn))])
+    system, (phi, _) = linear._system(strength, memory, 0, n), linear._blocks(memory, 0, n)
+    found = linear.makes_of(force, (strength, memory))
+    for made, one in zip(found.T, force.T, strict=True):
+        states = np.zeros((n, 3))
+        states[0, 2] = one[0]
+        for k in range(n - 1):
+            states[k + 1] = phi[k] @ states[k]
+            states[k + 1, 2] = one[k + 1]
+        seen = np.sum(system.h * states, axis=1)
+        factor = cholesky_banded(system.band, lower=True)
+        smoothed = cho_solve_banded((factor, True), system.right(seen, np.zeros((n - 1, 3))))[2::3]
+        assert made == pytest.approx(smoothed, abs=1e-5 * np.max(np.abs(one)))
+        assert np.std(made) < np.std(one)  # noise hides a part of it
