@@ -113,18 +113,19 @@ def show(model: Path, *, as_json: bool) -> None:
 
 def simulate(model: Path, recording: Path, output: Path, options: dict[str, Any]) -> None:
     """Write the force of an element along the motion of a recording."""
-    from ..face.element import force_table, load_element
-    from ..files.writing import write
+    from ..face.element import load_element
+    from ..face.element_force import along_recording
+    from ..face.simulation import check_csv, write_columns
 
     element = load_element(model).element
-    if not output.name.endswith(".csv"):
-        raise BadInput(f"{output}: simulate writes CSV; end the name in .csv")
+    check_csv(output)
     outputs_checked([output], [model, recording])
-    text, left, notes = force_table(element, read_all((recording,), options, say))
-    write(output, text)
-    for note in notes:
+    found = along_recording(element, read_all((recording,), options, say))
+    write_columns(output, found.columns)
+    for note in found.notes:
         say(f"note: {note}")
-    say(f"the force differs from the recorded one by {100 * left:.3g} % of its standard deviation")
+    if found.left is not None:
+        say(f"the force differs from the recorded one by {100 * found.left:.3g} % of its standard deviation")
     say(f"written: {output}")
 
 

@@ -45,15 +45,14 @@ def show(model: Path, as_json: bool) -> None:
 def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
     """Response of a model to the force of a recording, event-exact."""
     from ..face.element import is_element_file
-    from ..face.simulation import along
+    from ..face.simulation import along, check_csv
     from ..model.file import load
 
     if is_element_file(model):
         element_commands.simulate(model, recording, output, options)
         return
     oscillator = load(model)
-    if not output.name.endswith((".csv", ".csv.gz")):
-        raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
+    check_csv(output)
     outputs_checked([output], [model, recording])
     if len(options["response"]) > 1:
         raise BadInput("simulate writes one response; name one column with --response")

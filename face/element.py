@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,6 +18,7 @@ from ..files.arguments import path_of
 from ..model.element import Element
 from ..recording import Reading, Recording, recordings_of
 from .figures import FIGURES, beside, figures_of, write_figures
+from .python_words import in_python, speaks_python
 from .workflow import Say, rig_of, seconds_allowed, silent
 
 if TYPE_CHECKING:
@@ -160,6 +161,7 @@ class ForceElement:
         """What is to be known of the identification."""
         return () if self.fit is None else self.fit.notes
 
+    @speaks_python
     def force(
         self, displacement: Sequence[float] | np.ndarray, fs: float, **channels: float | np.ndarray
     ) -> np.ndarray:
@@ -173,23 +175,16 @@ class ForceElement:
 
         Raises:
             BadInput: fewer than four samples, values that are no numbers, or a channel that it does not depend on.
-        """
-        from ..recording.plain_numbers import vector_of
-        from ..simulate.imposed import force_along
 
-        motion = vector_of(displacement, "the displacement")
-        if motion.ndim != 1 or motion.size < 4 or not np.all(np.isfinite(motion)):
-            raise BadInput("the displacement must be at least four numbers in one row")
-        if not (math.isfinite(fs) and fs > 0):
-            raise BadInput(f"fs is {fs}; the sampling frequency is a positive number, in Hz")
-        beside = {name: vector_of(np.atleast_1d(values), name) for name, values in channels.items()}
-        for name, values in beside.items():
-            if name not in self.element.channels:
-                there = ", ".join(self.element.channels) or "none"
-                raise BadInput(f"{self.name} depends on no channel {name!r}; it has {there}")
-            if values.shape not in ((1,), motion.shape) or not np.all(np.isfinite(values)):
-                raise BadInput(f"the channel {name} must be one number, or {motion.size} as the displacement has")
-        return force_along(self.element, motion, 1.0 / fs, channels=beside)
+        Warns:
+            UserWarning: the motion, its speed or a channel goes beyond what the element was identified in.
+        """
+        from .element_force import under_a_motion
+
+        force, beyond = under_a_motion(self.element, displacement, fs, channels)
+        if beyond:
+            warnings.warn(in_python("; ".join(beyond)), stacklevel=3)  # past what translates errors
+        return force
 
     def diagnose(
         self,
@@ -266,7 +261,7 @@ class ForceElement:
 
 def described(element: Element) -> str:
     """The element as text: equation, parameters with errors, what it is valid for, where it comes from."""
-    from ..model.show import columns_text, percent, value_and_error
+    from ..model.show import columns_text, percent, span_words, value_and_error
 
     words, cells = element.descriptions(), []
     for name, p in element.parameters().items():
@@ -281,7 +276,7 @@ def described(element: Element) -> str:
     for term in element.terms:
         lines += ["", f"{term.effect} ({term.law.path})", f"  {term.law.sentence}"]
     ranges = [(n, r) for n, r in (("amplitude", element.amplitude), ("speed", element.speed)) if r is not None]
-    covered = [f"  {name:<10} {r.min:.4g} to {r.max:.4g} {r.unit}" for name, r in ranges]
+    covered = [f"  {name:<10} {span_words(element, r)}" for name, r in ranges]
     for name, one in element.channels.items():
         stated = f"what depends on it is stated at {one.reference:.4g} {one.unit}"
         covered.append(f"  {name:<10} {one.low:.4g} to {one.high:.4g} {one.unit} ({stated})")
@@ -446,43 +441,3 @@ def verified(fmu: Path, recordings: Sequence[Recording], **how: Any) -> Verifica
     from ..prescribed.verified import verify
 
     return verify(fmu, recordings, **how)
-
-
-def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str, float, list[str]]:
-    """CSV of time, displacement, recorded force and that of the element along one recording.
-
-    Returns:
-        The table, what is left as NRMSE, and notes.
-
-    Raises BadInput where there are several recordings, its motion was not prescribed, or a channel is missing.
-    """
-    from ..model.dependence import beyond
-    from ..prescribed.motion import imposed
-    from ..recording.prescribed import refuse_free
-    from ..simulate.imposed import force_along
-
-    refuse_free(recordings)
-    if len(recordings) != 1:
-        raise BadInput(f"simulate writes one force, and {len(recordings)} records were given; name one of them")
-    motion = imposed(recordings[0])
-    units = {channel.name: channel.unit for channel in recordings[0].channels}
-    for name, one in element.channels.items():
-        if name not in units:
-            raise BadInput(
-                f"{motion.name}: {element.name} depends on the {name}, and nobody says what it was; give it with "
-                f"--channel {name}=NUMBER, in {one.unit}, or name its column"
-            )
-        if units[name] != one.unit:
-            raise BadInput(
-                f"{motion.name}: the channel {name} is in {units[name]}, and {element.name} has it in {one.unit}"
-            )
-    ends = [{name: float(end(values)) for name, values in motion.channels.items()} for end in (np.min, np.max)]
-    made = force_along(element, motion.displacement, motion.dt, start=motion.start, channels=motion.channels)
-    notes = beyond(element.dependences, *ends)
-    notes += [f"nothing depends on the {name}; it is left out" for name in units if name not in element.channels]
-    rows = zip(motion.along(0.0)[:, 2], motion.displacement, motion.force, made, strict=True)
-    text = "".join(f"{t:.9g},{x:.9g},{f:.9g},{g:.9g}\n" for t, x, f, g in rows)
-    told = motion.told
-    left = float(np.std(motion.force[told] - made[told]) / np.std(motion.force[told]))
-    unit, force = element.unit.replace("/", "_"), element.force_unit.replace("/", "_")
-    return f"time_s,displacement_{unit},measured_{force},force_{force}\n{text}", left, notes

@@ -15,7 +15,7 @@ from ..errors import BadInput
 from ..files.arguments import number_of, path_of, shown, text_of
 from ..files.writing import write
 from ..model import Oscillator, Response
-from ..model.as_recorded import as_recorded
+from ..model.covered import further
 from ..model.fit_state import percent_words
 from ..model.left import share_of_motion
 from ..recording import Recording, recordings_of
@@ -28,8 +28,6 @@ from ..recording.recording import HOLDS
 
 #: A first guess of how far a force moves a rig, in static deflections: a resonance that is met in passing.
 _RESONANCE = 10.0
-#: By how much of what was covered a motion may be larger without a word: the amplitudes of one motion differ so.
-_SLACK = 0.02
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -119,8 +117,7 @@ class Simulation:
         from ..face.simulation import write_columns, write_response
 
         path = path_of(path, "a CSV file")
-        if not path.name.endswith((".csv", ".csv.gz")):
-            raise BadInput(f"{path}: a simulation is written as CSV; end the name in .csv or .csv.gz")
+        check_csv(path)
         if self.measured is not None:
             write_response(path, self.measured, self.response)
         else:
@@ -234,11 +231,10 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
 
 def _beyond(oscillator: Oscillator, displacement: np.ndarray) -> str:
     """Whether a motion (n,) swings further than any that the model was identified in, in words; empty where not."""
-    covered, motion = oscillator.amplitude, displacement[np.isfinite(displacement)]
-    if covered is None or not motion.size or (swing := 0.5 * float(np.ptp(motion))) <= (1 + _SLACK) * covered.max:
-        return ""
-    (far, unit), (known, _) = (as_recorded(oscillator, value, covered.unit) for value in (swing, covered.max))
-    return f"it swings by {far:.3g} {unit}, and the model was identified up to {known:.3g} {unit}"
+    motion = displacement[np.isfinite(displacement)]
+    swing = 0.5 * float(np.ptp(motion)) if motion.size else 0.0
+    both = further(oscillator, oscillator.amplitude, swing)
+    return "" if both is None else f"it swings by {both[0]}, and the model was identified up to {both[1]}"
 
 
 def _driven(
@@ -283,6 +279,12 @@ def write_response(path: Path, recording: Recording, simulated: np.ndarray) -> N
     columns[f"{recording.quantity}_{unit}"] = recording.response
     columns[f"simulated_{recording.quantity}_{unit}"] = simulated
     write_columns(path, columns)
+
+
+def check_csv(path: Path) -> None:
+    """Raises BadInput where a file's name is not that of a table."""
+    if not path.name.endswith((".csv", ".csv.gz")):
+        raise BadInput(f"{path}: a simulation is written as CSV; end the name in .csv or .csv.gz")
 
 
 def write_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:

@@ -63,8 +63,7 @@ def with_provenance(
     for file, kind in zip(files, kinds, strict=False):
         file["kind"] = kind
     for index, file in enumerate(files):
-        of_file = recordings[index].recorded_unit
-        file |= {"unit": of_file} if of_file not in ("", recordings[index].unit) else {}
+        file |= unit_of_file(recordings[index])
         left = left_of_recording(fit, index)
         file |= {} if left is None else left.as_json()
         if index in faults:
@@ -83,6 +82,12 @@ def with_provenance(
             band=band,
         ),
     )
+
+
+def unit_of_file(recording: Recording) -> dict[str, str]:
+    """The unit as the file had it, for a model file; empty where that is the recording's own."""
+    unit = recording.recorded_unit
+    return {"unit": unit} if unit not in ("", recording.unit) else {}
 
 
 def stamp() -> dict[str, Any]:

@@ -10,35 +10,36 @@ from .parameter import Parameter
 from .quantity import converted
 
 if TYPE_CHECKING:
+    from .element import Element
     from .oscillator import Oscillator
 
 
-def recorded_length(oscillator: Oscillator) -> str:
+def recorded_length(model: Oscillator | Element) -> str:
     """Unit of length, or of angle, that all recordings had; that of the model where they had several or none is known.
 
     ``mm`` where a velocity was recorded in mm/s.
     """
-    own = oscillator.response.displacement_unit
-    known = {str(r.get("unit") or own) for r in oscillator.identified.recordings}
+    own = model.response.displacement_unit
+    known = {str(r.get("unit") or own) for r in model.identified.recordings}
     if len(known) != 1:
         return own
     unit, _, _ = known.pop().partition("/")
     return unit if _factor(own, unit) is not None else own
 
 
-def as_recorded(oscillator: Oscillator, value: float, unit: str) -> tuple[float, str]:
+def as_recorded(model: Oscillator | Element, value: float, unit: str) -> tuple[float, str]:
     """A displacement, velocity or acceleration of the model in that unit of length; anything else as it is."""
-    length, own = recorded_length(oscillator), oscillator.response.displacement_unit
+    length, own = recorded_length(model), model.response.displacement_unit
     for template in ("X", "X/s", "X/s2"):
         if length != own and units.same(unit, units.compose(template, own)):
             return value * (_factor(own, length) or 1.0), units.compose(template, length)
     return value, unit
 
 
-def parameter_as_recorded(oscillator: Oscillator, parameter: Parameter) -> Parameter:
+def parameter_as_recorded(model: Oscillator | Element, parameter: Parameter) -> Parameter:
     """A parameter likewise, with its standard error."""
-    value, unit = as_recorded(oscillator, parameter.value, parameter.unit)
-    std = None if parameter.std is None else as_recorded(oscillator, parameter.std, parameter.unit)[0]
+    value, unit = as_recorded(model, parameter.value, parameter.unit)
+    std = None if parameter.std is None else as_recorded(model, parameter.std, parameter.unit)[0]
     return Parameter(value, std, unit)
 
 

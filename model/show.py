@@ -12,7 +12,8 @@ from .oscillator import HOLDS
 from .physical import machine, machine_words
 
 if TYPE_CHECKING:
-    from .oscillator import Oscillator
+    from .element import Element
+    from .oscillator import Oscillator, Range
     from .parameter import Parameter
 
 STRONG = 0.9  # correlation above which two parameters are hard to tell apart
@@ -262,12 +263,17 @@ def _length(o: Oscillator, value: float) -> str:
     return f"{shown:.3g} {unit}"
 
 
+def span_words(model: Oscillator | Element, span: Range) -> str:
+    """What was covered, in the unit as recorded: ``0.1 to 5.8 mm``."""
+    (low, unit), (high, _) = (as_recorded(model, value, span.unit) for value in (span.min, span.max))
+    return f"{low:.4g} to {high:.4g} {unit}"
+
+
 def _validity(o: Oscillator) -> list[str]:
     ranges = []
     for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency)):
         if r is not None:
-            (low, unit), (high, _) = (as_recorded(o, value, r.unit) for value in (r.min, r.max))
-            ranges.append(f"  {name:<10} {low:.4g} to {high:.4g} {unit}")
+            ranges.append(f"  {name:<10} {span_words(o, r)}")
     force = [] if o.mass is None else [f"  force      {HOLDS[o.hold]} (hold: {o.hold})"]
     length, own = recorded_length(o), o.response.displacement_unit
     besides = f", recorded in {o.response.unit.replace(own, length, 1)}" if length != own else ""

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..identify.fit.limits import CYCLES
-from ..identify.provenance import stamp
+from ..identify.provenance import stamp, unit_of_file
 from ..identify.signals.odds import ABOVE_NOISE, SIGNIFICANT
 from ..model.dependence import FORMS
 from ..model.element import Element
@@ -258,7 +258,9 @@ def _fit_of(fitted: Fitted, problem: Problem, recordings: Sequence[Recording], n
         forces.append(force)
         records.append(record_of(motion, motion.force - force))
     files: list[Mapping[str, Any]] = [
-        {"file": r.name, "sha256": r.sha256, "kind": "prescribed", "nrmse": one.nrmse, "over_noise": one.over_noise}
+        {"file": r.name, "sha256": r.sha256, "kind": "prescribed"}
+        | unit_of_file(r)
+        | {"nrmse": one.nrmse, "over_noise": one.over_noise}
         for r, one in zip(recordings, records, strict=True)
     ]
     reach = max(float(np.max(np.abs(m.displacement - element.origin))) for m in problem.motions)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -27,18 +27,17 @@ _FEWEST = numerics(32, "samples", why="fewer hold no cycle of a force law")
 
 
 @dataclass(frozen=True, eq=False)
-class Imposed:
-    """One recording of a prescribed motion and of the force that it took.
+class Moved:
+    """One recording of a prescribed motion.
 
     Attributes:
         name: of the recording.
         displacement, velocity, acceleration: (n,) of the motion, less its noise; of the cubic spline through it.
-        force: (n,) recorded.
         dt: sample interval, s.
         start: time of the first sample, s.
         pace: angular frequency at which it mostly goes, rad/s.
-        told: (n,) which samples are fitted: not what was filled in, where it stands still, or where it begins.
-        noise: standard deviation of white noise on the force.
+        still: speed below which it cannot be told from none.
+        told: (n,) where a force is known by it: not what was filled in, where it stands still, or where it begins.
         otherwise: velocity and acceleration by polynomials of a lower order over the same window, which is as long as
             the displacement lets it be: how far they may be off.
         channels: (n,) of each channel, by its name.
@@ -48,24 +47,40 @@ class Imposed:
     displacement: np.ndarray
     velocity: np.ndarray
     acceleration: np.ndarray
-    force: np.ndarray
     dt: float
     start: float
     pace: float
+    still: float
     told: np.ndarray
-    noise: float
     otherwise: tuple[np.ndarray, np.ndarray]
-    channels: Mapping[str, np.ndarray] = field(default_factory=dict)
+    channels: Mapping[str, np.ndarray]
 
     @property
     def n(self) -> int:
         """Number of samples."""
-        return self.force.size
+        return self.displacement.size
+
+    @property
+    def time(self) -> np.ndarray:
+        """(n,) s."""
+        return self.start + self.dt * np.arange(self.n)
+
+
+@dataclass(frozen=True, eq=False)
+class Imposed(Moved):
+    """The same with the force that the motion took.
+
+    Attributes:
+        force: (n,) recorded.
+        noise: standard deviation of white noise on the force.
+    """
+
+    force: np.ndarray
+    noise: float
 
     def along(self, origin: float) -> np.ndarray:
         """(n, 4) displacement from an origin, velocity, time and nothing: what a law is evaluated along."""
-        time = self.start + self.dt * np.arange(self.n)
-        return np.column_stack([self.displacement - origin, self.velocity, time, np.zeros(self.n)])
+        return np.column_stack([self.displacement - origin, self.velocity, self.time, np.zeros(self.n)])
 
     def part(self, begin: int, end: int) -> Imposed:
         """The samples from ``begin`` to ``end``, of which the first half cycle is not fitted."""
@@ -88,29 +103,23 @@ class Imposed:
         return Segment(place, 0, self.n, self.force, None, self.dt, self.start, self.pace)
 
 
-def imposed(recording: Recording) -> Imposed:
-    """The motion of a recording and the force that it took.
+def moved(recording: Recording) -> Moved:
+    """The motion of a recording, whatever force it took.
 
     A displacement is smoothed by polynomials over windows (Savitzky, Golay 1964), of the length that tells each sample
     best from its neighbours (Craven, Wahba 1979); a velocity is integrated. What the force did before half a cycle had
     passed depends on how the specimen was left, which nobody recorded.
 
     Raises:
-        BadInput: there is no force, the motion is an acceleration, or does not move.
+        BadInput: the motion is an acceleration, or does not move.
     """
-    name, drive, shown = recording.name, drive_of(recording), np.asarray(recording.response, float)
-    if recording.force is None or drive is None:
-        raise BadInput(
-            f"{name}: a prescribed motion tells nothing without the force that it took; name it with --force"
-        )
+    name, shown = recording.name, np.asarray(recording.response, float)
     if recording.quantity == "acceleration":
         raise BadInput(
             f"{name}: a prescribed acceleration does not tell where the specimen was; give its displacement or velocity"
         )
     if not np.ptp(shown) > 0.0 or shown.size < _FEWEST:
         raise BadInput(f"{name}: the prescribed column does not move; choose another one with --prescribed")
-    if not np.ptp(recording.force) > 0.0:
-        raise BadInput(f"{name}: the force is {recording.force[0]:g} throughout; choose another column with --force")
     if recording.quantity == "velocity":
         shown = np.concatenate([[0.0], np.cumsum(0.5 * (shown[1:] + shown[:-1]))]) * recording.dt
     span, noise = _smoothing(shown, _ORDER)
@@ -126,25 +135,42 @@ def imposed(recording: Recording) -> Imposed:
     told[1:] &= ~turned
     told[:-1] &= ~turned
     told[: min(int(np.pi / pace * recording.fs), recording.n // 2)] = False
-    if np.count_nonzero(told) < _FEWEST or np.quantile(np.abs(velocity), _MOVING) <= still:
-        raise BadInput(
-            f"{name}: the prescribed column moves no more than its noise in nine tenths of the record or more; choose "
-            "another one with --prescribed, or keep the part that moves with --part"
-        )
-    return Imposed(
+    return Moved(
         name,
         smooth,
         velocity,
         acceleration,
-        drive.samples,
         recording.dt,
         recording.start,
         pace,
+        still,
         told,
-        max(drive.noise, rounding_noise(drive.samples), _LEAST_NOISE * float(np.std(drive.samples))),
         (otherwise[0], otherwise[1]),
         {channel.name: _quieter(channel.over(recording.n)) for channel in recording.channels},
     )
+
+
+def imposed(recording: Recording) -> Imposed:
+    """The motion of a recording, see ``moved``, and the force that it took.
+
+    Raises:
+        BadInput: there is no force, or it never changes; the motion is an acceleration, or tells nothing.
+    """
+    name, drive = recording.name, drive_of(recording)
+    if drive is None:
+        raise BadInput(
+            f"{name}: a prescribed motion tells nothing without the force that it took; name it with --force"
+        )
+    motion, force = moved(recording), drive.samples
+    if not np.ptp(force) > 0.0:
+        raise BadInput(f"{name}: the force is {force[0]:g} throughout; choose another column with --force")
+    if np.count_nonzero(motion.told) < _FEWEST or np.quantile(np.abs(motion.velocity), _MOVING) <= motion.still:
+        raise BadInput(
+            f"{name}: the prescribed column moves no more than its noise in nine tenths of the record or more; choose "
+            "another one with --prescribed, or keep the part that moves with --part"
+        )
+    noise = max(drive.noise, rounding_noise(force), _LEAST_NOISE * float(np.std(force)))
+    return Imposed(**vars(motion), force=force, noise=noise)
 
 
 def _quieter(channel: np.ndarray) -> np.ndarray:

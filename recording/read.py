@@ -169,16 +169,11 @@ def recording_of(
     if through is not None and relative:
         raise BadInput("--through and --relative were both given; a response under --through is over the ground")
     if prescribed is not None:
-        response, base = _prescribed(table.where, prescribed, response, base, force), "none"
+        response, base = _prescribed(table.where, prescribed, response, base), "none"
     shown = "response" if prescribed is None else "prescribed"
     further = sought(table, channels)
     taken = [one.index for one in further if one.index is not None]
     choice = choose_columns(table, time, force, response, quantity, base, shown, taken)
-    if prescribed is not None and choice.force is None:
-        raise BadInput(
-            f"{table.where}: a prescribed motion tells nothing without the force that it took, and no column is one; "
-            "name it with --force"
-        )
     if through is not None and not (choice.base and choice.force is not None):
         raise BadInput(f"{table.where}: --through says what a base moves, and no column is one; name it with --base")
     factors = {key: str(text) for key, text in (calibration or {}).items()}
@@ -189,16 +184,12 @@ def recording_of(
     return _checked(recording, stated=unit is not None) if checked else recording
 
 
-def _prescribed(
-    where: str, prescribed: str | int, response: str | int | None, base: str | int | None, force: str | int | None
-) -> str | int:
+def _prescribed(where: str, prescribed: str | int, response: str | int | None, base: str | int | None) -> str | int:
     """The column of a prescribed motion; raises BadInput where something else is said that cannot be beside it."""
     if response is not None:
         raise BadInput(f"{where}: --prescribed and --response were both given; a prescribed motion is no response")
     if base is not None and str(base).strip().lower() != "none":
         raise BadInput(f"{where}: --prescribed and --base were both given; a base moves a rig, and is not its motion")
-    if force is not None and str(force).strip().lower() == "none":
-        raise BadInput(f"{where}: a prescribed motion tells nothing without the force that it took; leave out --force")
     return prescribed
 
 

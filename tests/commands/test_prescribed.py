@@ -113,6 +113,13 @@ def test_show_simulate_and_export_take_an_element(folder: Path, tmp_path: Path, 
     rows = np.loadtxt(table_made, delimiter=",", skiprows=1)
     assert table_made.read_text().startswith("time_s,displacement_m,measured_N,force_N\n")
     assert np.std(rows[100:, 2] - rows[100:, 3]) < 0.02 * np.std(rows[:, 2])
+    alone, forces = tmp_path / "alone.csv", tmp_path / "alone.csv.gz"
+    alone.write_text("\n".join(line.partition(",")[2] for line in (folder / "plain.csv").read_text().splitlines()))
+    assert ended("simulate", made, alone, "--prescribed", "2", "--force", "none", "--fs", FS, "-o", forces) == 0
+    assert np.loadtxt(forces, delimiter=",", skiprows=1).shape == (len(rows), 3)
+    capsys.readouterr()
+    assert ended("simulate", made, folder / "plain.csv", *how, "--unit", "cm", "-o", table_made) == 0
+    assert "beyond that it is an extrapolation" in capsys.readouterr().err
     assert ended("export", made, tmp_path / "strut.casadi") == 0
     assert (tmp_path / "strut.smooth.casadi").exists()
 

@@ -1,0 +1,40 @@
+"""Whether a motion goes further than what a model was identified in, in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .as_recorded import as_recorded
+
+if TYPE_CHECKING:
+    from .element import Element
+    from .oscillator import Oscillator, Range
+
+#: By how much of what was covered a motion may be larger without a word: the amplitudes of one motion differ so.
+_SLACK = 0.02
+
+
+def further(model: Oscillator | Element, covered: Range | None, reached: float) -> tuple[str, str] | None:
+    """How far a motion goes and how far the model was identified, in the unit as recorded; None where not further.
+
+    ``reached`` is in the unit of ``covered``: an amplitude or a speed.
+    """
+    if covered is None or not reached > (1 + _SLACK) * covered.max:
+        return None
+    (far, unit), (known, _) = (as_recorded(model, value, covered.unit) for value in (reached, covered.max))
+    return f"{far:.3g} {unit}", f"{known:.3g} {unit}"
+
+
+def element_beyond(element: Element, amplitude: float, speed: float) -> list[str]:
+    """Sentences on a motion that goes further from the origin, or faster, than what an element was identified in."""
+    said = []
+    for what, covered, reached in (
+        ("the motion goes to", element.amplitude, amplitude),
+        ("the speed goes to", element.speed, speed),
+    ):
+        if (both := further(element, covered, reached)) is not None:
+            said.append(
+                f"{what} {both[0]}, and {element.name} was identified up to {both[1]}: beyond that it is an "
+                "extrapolation"
+            )
+    return said
