@@ -155,7 +155,10 @@ def checked(document: Document) -> ModelForm:
     """The document as a model file; raises BadInput with every problem, each with its line and path."""
     otherwise = f"this version of dashpot reads 'format: {FORMAT}'"
     if isinstance(document.data, dict) and document.data.get("format") == ELEMENT:
-        otherwise = "that is a force law by itself, for show, simulate, diagnose and export; here a rig is asked for"
+        otherwise = (
+            "that is a force law by itself, which the commands show, simulate, diagnose and export take, and in Python "
+            "dashpot.load_element; here a rig is asked for"
+        )
     raw = of_format(document, FORMAT, "holds no model; a model file starts with", otherwise)
     meaning = Meaning(raw, document)
 
