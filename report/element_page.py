@@ -32,12 +32,15 @@ def element_page(fit: ElementFit, *, files: Sequence[str] = ()) -> Page:
     """The page of an identification; ``files`` are the names of those made beside it."""
     yaml = next((name for name in files if name.endswith(".yaml")), "element.yaml")
     recordings = dict.fromkeys(recording.name.partition("#")[0] for recording in fit.recordings)
-    again = f"dashpot diagnose {shlex.join([yaml, *recordings])} -o diagnosis"
+    again = f"dashpot diagnose {shlex.join([yaml, *recordings])} --prescribed COLUMN -o diagnosis"
     lead: list[Block] = []
     if fit.left:
         said = full_stop(f"{fit.left[0].upper()}{fit.left[1:]}")
         words = f"{said} The force holds something that the members of Eq. 17 do not."
-        lead = [Text(words, "warn", "▲ More than noise is left."), Code("What is missing (read as here):", again)]
+        lead = [
+            Text(words, "warn", "▲ More than noise is left."),
+            Code("What is missing (COLUMN is that of the motion; read as here):", again),
+        ]
     else:
         lead = [Text("The element gives every force to within its noise.", "good", "✓")]
     sections = [
