@@ -123,7 +123,7 @@ def _entries(
         component=COMPONENT,
         seed=seed,
         note=remark,
-        columns=[(name, pretty_unit(unit)) for name, unit in units.items()],
+        columns=[(name, pretty_unit(units[name])) for name in next(iter(sets.values()))],
         rows=[(name, list(values.values())) for name, values in sets.items()],
     ).encode()
     return entries

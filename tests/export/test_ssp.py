@@ -130,3 +130,9 @@ def test_without_a_covariance_the_nominal_system_alone_and_a_word_about_it(model
         with pytest.raises(BadInput, match="between 0 and"):
             export_ssp(certain(model), tmp_path / "b.ssp", draws=wrong)
     assert not (tmp_path / "b.ssp").exists()
+
+
+def test_the_page_has_a_cell_for_each_head(archive, models):
+    lines = zipfile.ZipFile(archive).read("documentation/index.html").decode().splitlines()
+    heads, first = ([line for line in lines if line.startswith(f"<tr><th>{name}</th>")] for name in ("set", "nominal"))
+    assert heads[0].count("<th>") - 1 == first[0].count("<td>") == len(models["base"]().parameters())
