@@ -159,7 +159,7 @@ class ForceElement:
     @property
     def notes(self) -> tuple[str, ...]:
         """What is to be known of the identification."""
-        return () if self.fit is None else self.fit.notes
+        return () if self.fit is None else tuple(map(in_python, self.fit.notes))
 
     @speaks_python
     def force(
@@ -186,6 +186,7 @@ class ForceElement:
             warnings.warn(in_python("; ".join(beyond)), stacklevel=3)  # past what translates errors
         return force
 
+    @speaks_python
     def diagnose(
         self,
         *given: Any,
@@ -212,6 +213,7 @@ class ForceElement:
         how = {"name": self.name, "progress": quietly, "seconds": seconds_allowed(seconds)}
         return diagnosed_element(training, held, **how)
 
+    @speaks_python
     def export(self, *paths: str | Path, fmi: int = 2, progress: Say | None = None) -> tuple[Path, ...]:
         """Write it as .fmu, .casadi or .c, by the suffix, all or none; returns all files written.
 
@@ -220,6 +222,7 @@ class ForceElement:
         outputs = [path_of(path, "a file to export") for path in paths]
         return exported_element(self.element, outputs, version=fmi, progress=progress)
 
+    @speaks_python
     def verify(
         self,
         *recordings: Any,

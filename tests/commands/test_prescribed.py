@@ -150,7 +150,7 @@ def test_commands_of_oscillators_say_that_they_are(folder: Path, tmp_path: Path,
     assert ended("hilbert", folder / "plain.csv", *how, "-o", tmp_path / "h") == 2
     assert "its motion was prescribed" in capsys.readouterr().err
     assert ended("linearise", made) == 2
-    assert "a force law by itself" in capsys.readouterr().err
+    assert re.search("a force law by itself, .*in Python dashpot.load_element", capsys.readouterr().err)
     assert ended("diagnose", made, folder / "plain.csv", "--response", "stroke_mm", "-o", tmp_path / "d") == 2
     assert "nobody says that its motion was prescribed" in capsys.readouterr().err
     assert ended("export", made, tmp_path / "a.ssp") == 2
@@ -191,6 +191,8 @@ def test_python_has_the_same(folder: Path, tmp_path: Path) -> None:
     x = motion("sines", 4e-3, 2.0, FS, 5.0)
     assert again.force(x, fs=FS) == pytest.approx(told.element.force(x, fs=FS))
     assert again.export(tmp_path / "m.casadi")[0].name == "m.casadi"
+    with pytest.raises(dashpot.BadInput, match="name it with force="):
+        again.verify(folder / "one.csv", prescribed="stroke_mm", force="none")
     with pytest.raises(dashpot.BadInput, match="at least four numbers"):
         again.force([1.0, 2.0], fs=FS)
     with pytest.raises(dashpot.BadInput, match="identify_element in Python"):
