@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -58,13 +58,14 @@ def _integrate(v: np.ndarray, fs: float, drift: float, swing: float | None) -> n
 
     k = np.arange(v.size, dtype=float)
     x = CubicSpline(k, v - np.mean(v)).antiderivative()(k) / fs
-    slow = _splines(k, drift / fs)
-    columns = slow
+    columns: Any = _splines(k, drift / fs)
+    count = columns.shape[1]
+    slow = columns
     if swing is not None:
         turn, sizes = 2 * np.pi * swing / fs * k, _splines(k, swing / _TREND / fs)
         columns = hstack([slow, sizes.multiply(np.cos(turn)[:, None]), sizes.multiply(np.sin(turn)[:, None])]).tocsc()
-    found = spsolve((columns.T @ columns).tocsc(), columns.T @ x)
-    return x - slow @ found[: slow.shape[1]]
+    found: np.ndarray = np.asarray(spsolve((columns.T @ columns).tocsc(), columns.T @ x))
+    return x - slow @ found[:count]
 
 
 def _splines(k: np.ndarray, rate: float) -> csr_array:
