@@ -184,7 +184,7 @@ def amplitude_of(model: Oscillator, given: float | str | None) -> float:
     if given is not None:
         return above(given, model.response.displacement_unit, "the most amplitude")
     if model.amplitude is None or not 0 < model.amplitude.max < math.inf:
-        raise BadInput(f"{model.name}: how far it may move is not known; state the most amplitude, such as 5mm")
+        raise BadInput(f"{model.name}: how far it may move is not known; state it with --most-amplitude, such as 5mm")
     return model.amplitude.max
 
 

@@ -261,7 +261,7 @@ class Model:
                 raise BadInput(f"{path}: save writes a model file or a report; use export for this")
             save(self.oscillator, path)
         elif self.identification is None:
-            raise BadInput(f"{path}: a report is of an identification, and this model was loaded; identify it here")
+            raise BadInput(f"{path}: a report is of an identification, and this model has none; identify it here")
         else:
             from ..report.page import identification_page
 
@@ -277,7 +277,7 @@ class Model:
         """
         found = self.identification
         if found is None:
-            raise BadInput("pictures are of an identification, and this model was loaded; identify it here")
+            raise BadInput("pictures are of an identification, and this model has none; identify it here")
         from ..report.page import identification_page
 
         return figures_of(lambda: identification_page(found), folder, kinds)
@@ -433,4 +433,4 @@ def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
         return model
     if isinstance(model, str | Path):
         return load(path_of(model, "a model file"))
-    raise BadInput(f"a {type(model).__name__} is no model; give a Model, or the path of a model file")
+    raise BadInput(f"{shown(model)} is no model; give a Model, or the path of a model file")

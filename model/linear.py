@@ -363,7 +363,7 @@ def _about(linear: LinearModel) -> str:
     if linear.amplitude is not None and linear.omega is not None:
         length, hertz = linear.state_units[0], linear.omega / (2 * math.pi)
         return f"about a motion of amplitude {linear.amplitude:g} {length} at {hertz:.6g} Hz"
-    at = f"{linear.state[0]:.6g} {linear.state_units[0]}, held by {linear.input:.6g} {linear.input_unit}"
+    at = f"{linear.state[0]:.6g} {linear.state_units[0]}, held by {linear.input + 0.0:.6g} {linear.input_unit}"
     return f"about the point {at}"
 
 

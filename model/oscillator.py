@@ -250,7 +250,9 @@ class Oscillator:
     @property
     def why_no_mass(self) -> str:
         """Why there is no mass."""
-        return "its base moves it, which tells no mass" if self.is_base_driven else "only free decays were fitted"
+        if self.is_base_driven:
+            return "its base moves it, which tells no mass"
+        return "only free decays were fitted" if self.identified.recordings else "none was given"
 
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter by its name, in the order used everywhere: mass (unless None), Eq. 17, the terms."""

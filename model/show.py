@@ -231,7 +231,7 @@ def value_and_error(parameter: Parameter) -> tuple[str, str]:
     if size - last > 14:  # an error below what a float can tell
         return f"{value:.15g}", f"{std:.1e}"
     if -4 <= size < 7 and last <= 0:
-        return f"{value:.{-last}f}", f"{std:.{-last}f}"
+        return f"{round(value, -last) + 0.0:.{-last}f}", f"{std:.{-last}f}"  # and not -0
     digits = max(size - last, 1)
     return f"{value:.{digits}e}", f"{std:.1e}"
 

@@ -186,7 +186,7 @@ def test_saved_is_loaded(model, tmp_path):
     assert again.identification is None
     report = model.save(tmp_path / "rig.html").read_text(encoding="utf-8")
     assert "<title>Identification of stand</title>" in report
-    with pytest.raises(BadInput, match="this model was loaded"):
+    with pytest.raises(BadInput, match="this model has none"):
         again.save(tmp_path / "again.html")
     with pytest.raises(BadInput, match="use export"):
         model.save(tmp_path / "rig.fmu")
@@ -198,7 +198,7 @@ def test_a_model_by_its_file_and_a_mistyped_parameter(plain, tmp_path):
     assert dashpot.linearise(path, amplitude=1e-3).A.shape == (2, 2)
     with pytest.raises(KeyError, match="did you mean friction"):
         plain["frition"]
-    with pytest.raises(BadInput, match="a dict is no model"):
+    with pytest.raises(BadInput, match=r"\{\} is no model"):
         dashpot.linearise({})
 
 

@@ -135,7 +135,7 @@ def test_the_standard_error_is_written_to_four_digits():
 
 def test_without_a_mass_the_file_says_null():
     o = Oscillator.from_values({k: v for k, v in RIG.items() if k != "mass"}, response=Response("displacement", "rad"))
-    assert "mass:    null   # only free decays were fitted" in dumps(o)
+    assert "mass:    null   # none was given" in dumps(o)
     assert loads(dumps(o)) == o
 
 

@@ -86,7 +86,7 @@ def test_a_softening_spring_says_where_it_lets_go(rig):
 def test_what_is_not_known_is_said(rig, measured):
     o = rig(mass=None)
     text = describe(o)
-    assert "mass unknown only free decays were fitted" in " ".join(text.split())
+    assert "mass unknown none was given" in " ".join(text.split())
     assert "the input is a force per unit mass" in text
     assert "No parameter has a standard error" in text
     assert as_json(o)["mass_known"] is False
