@@ -15,6 +15,9 @@ from .decays import find_free_motion
 _TREND = numerics(
     2.5, "cycles a knot", why="slower is drift of the integration, or how the amplitude of a free motion goes"
 )
+_KNOTS = numerics(
+    2, "knots", why="in a motion of fewer cycles drift and amplitude are one cubic each, and not told apart"
+)
 _DRIVEN_TREND = numerics(3.5, "cycles a knot", why="a long driven record suffers more from the drift that is left")
 
 if TYPE_CHECKING:
@@ -41,6 +44,8 @@ def displacement(recording: Recording) -> Signal:
     # what is struck rings at its own frequency, and has no slower motion, however low its blows reach
     if drive is not None and np.ptp(drive.samples) > 0 and not find_free_motion(recording).blows:
         slowest, cycles, swing = min(slowest, drive.band[0]), _DRIVEN_TREND, None
+    if swing is not None and response.n * swing / recording.fs < _KNOTS * _TREND:
+        swing = None
     for _ in range(times):
         x = _integrate(x, recording.fs, slowest / cycles, swing)
     made = Signal(x, recording.fs)
