@@ -6,6 +6,7 @@ import functools
 import math
 import re
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -261,6 +262,8 @@ def with_known_values(command: Callable[..., Any]) -> Callable[..., Any]:
 def _in_kg(given: str) -> float:
     from ..model.quantity import in_unit
 
+    with suppress(ValueError):
+        return float(given)  # inf and nan too, which are refused as a parameter's values are
     try:
         return in_unit(given, "kg", "the mass")
     except BadInput as problem:

@@ -31,10 +31,20 @@ from dashpot.examples.concealed.suite import Spec
 from dashpot.examples.concealed.virtual import draw
 from dashpot.examples.virtual_recording import UNITS, recording_of
 from dashpot.identify import identify
-from dashpot.model import Oscillator, Response, oscillator_with
+from dashpot.model import Oscillator, Response, oscillator_with, user_laws
 from dashpot.model.law import LawParameter, Scales
-from dashpot.model.library import find
+from dashpot.model.library import KNOWN, find
 from dashpot.recording import Recording
+
+
+@pytest.fixture
+def library(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The laws as they are: what a test loads is forgotten after it."""
+    before = dict(KNOWN)
+    monkeypatch.setattr(user_laws, "_loaded", {})
+    yield
+    KNOWN.clear()
+    KNOWN.update(before)
 
 
 def _beside(name: str) -> ModuleType:

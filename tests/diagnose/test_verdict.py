@@ -95,7 +95,7 @@ def test_where_there_is_nothing_to_share_there_is_none(before, after):
 
 # --- the sentence: each stands in tests/sentences.yaml
 
-FREE = Effect("free/inertia", "free/inertia", "inertia", {})
+FREE = Effect("free/modulation", "free/modulation", "inertia", {})
 PENDULUM = Effect("softening-stiffness", "softening-stiffness/sine", "restoring", {})
 RIVAL = Effect("quadratic-drag", "quadratic-drag", "dissipation", {}, ("cubic-damping",))
 HELD_OUT = [

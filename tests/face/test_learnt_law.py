@@ -50,6 +50,7 @@ def test_another_s_file_is_left_alone(tmp_path: Path):
     assert file.read_text(encoding="utf-8") == "print('mine')\n"
 
 
+@pytest.mark.usefixtures("library")
 def test_the_shortest_form_becomes_a_law_that_loads(tmp_path: Path):
     file = tmp_path / "learnt-spring-tried.py"
     said = write_law(file, found(FORM))

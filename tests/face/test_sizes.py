@@ -20,6 +20,8 @@ def packages(tmp_path, monkeypatch):
         (told / "METADATA").write_text(
             "\n".join(["Metadata-Version: 2.1", f"Name: {name}", "Version: 1.0", *lines, ""])
         )
+        (tmp_path / name).mkdir()  # importlib_metadata, where something has imported it, counts only what is there
+        (tmp_path / name / "__init__.py").touch()
         (told / "RECORD").write_text(f"{name}/__init__.py,sha256=x,{size}\n{name}/__pycache__/__init__.pyc,,\n")
     monkeypatch.syspath_prepend(str(tmp_path))
 

@@ -30,14 +30,7 @@ PIECES = (
 )  # fmt: skip
 
 
-@pytest.fixture(autouse=True)
-def library(monkeypatch):
-    """What a test loads is forgotten after it."""
-    before = dict(KNOWN)
-    monkeypatch.setattr(user, "_loaded", {})
-    yield
-    KNOWN.clear()
-    KNOWN.update(before)
+pytestmark = pytest.mark.usefixtures("library")
 
 
 @st.composite

@@ -82,7 +82,7 @@ def test_bounds_of_a_law_hold():
         ({"name": "a\nb"}, "holds a line break"),
         ({"name": "a" * 300}, "longer than 255"),
         ({"name": 5}, "must be texts"),
-        ({"unit": ""}, "cannot read ''"),
+        ({"unit": ""}, "unit '' is not known"),
         ({"unit": None}, "must be texts"),
         ({"quantity": "speed"}, "use one of displacement"),
         ({"laws": ["quadratic-drag", "quadratic-drag"]}, "is missing"),

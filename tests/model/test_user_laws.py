@@ -22,14 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = re.findall(r"```python\n(.*?)```", (ROOT / "docs/laws.md").read_text(encoding="utf-8"), re.DOTALL)[0]
 
 
-@pytest.fixture(autouse=True)
-def library(monkeypatch):
-    """What a test loads is forgotten after it."""
-    before = dict(KNOWN)
-    monkeypatch.setattr(user, "_loaded", {})
-    yield
-    KNOWN.clear()
-    KNOWN.update(before)
+pytestmark = pytest.mark.usefixtures("library")
 
 
 @pytest.fixture

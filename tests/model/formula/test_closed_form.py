@@ -113,6 +113,7 @@ def test_a_model_s_curve_is_the_whole_force_and_its_errors_those_of_the_covarian
     assert form.at(curve.at) == pytest.approx(function(curve.at), abs=0.002)
 
 
+@pytest.mark.usefixtures("library")
 @pytest.mark.parametrize("piece", ATOMS)
 @pytest.mark.parametrize("effect", KINDS)
 def test_each_piece_makes_a_law_file_that_loads_and_is_the_piece(tmp_path: Path, piece, effect):
