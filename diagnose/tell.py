@@ -69,7 +69,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
         progress: called with what is being done and how much of all is done.
         allowed: what the whole may take: without time left, the hold of the force is not asked anew.
     """
-    missing = bool(found.selected.laws)
+    missing, asked = bool(found.selected.laws), case
     case, left = _without_offsets(case, found)
     other_rig = stranger(found.fitted, found.weighing.data, found.weighing.holdout, left.after)
     if other_rig:
@@ -80,7 +80,10 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed
     if found.selected.laws and not other_rig:
         case, left, after = _delivered(case, found, left, before, allowed)
     progress("the mended model on every recording, as an FMU on those held out", part_at(DELIVERED, missing))
-    case, after, records = _tried(case, found, left, (before, after), fmu, progress)
+    mended = after
+    case, after, records = _tried(case, found, left, (before, mended), fmu, progress)
+    if mended is not None and after is None and (plainer := _without_learnt(found)):
+        return tell(asked, plainer, fmu, progress, allowed)
     for record in records:
         _log.info("%s: NRMSE %.4g before, %.4g after", record.file, record.nrmse_before, record.nrmse_after)
     remarks = _remarks(found, left, after)
@@ -222,6 +225,15 @@ def _added(case: Case, model: Oscillator) -> tuple[str, ...]:
     """The laws that a mended model has and the given one has not."""
     known = {term.effect for term in case.model.terms}
     return tuple(term.effect for term in model.terms if term.effect not in known)
+
+
+def _without_learnt(found: Found) -> Found | None:
+    """The best structure less what was learnt, where that was evaluated: whole recordings spoke against the curve."""
+    kept = key([law for law in found.selected.laws if not find(law).learnt])
+    other = found.candidates.get(kept)
+    if not kept or kept == found.selected.laws or other is None or other.fit is None or other.stage != "judged":
+        return None
+    return found.instead(other, "with the curve that it learns whole recordings are explained worse")
 
 
 def _survivors(found: Found, best: Oscillator) -> dict[str, Oscillator]:
