@@ -115,7 +115,9 @@ class _Products:
         """(groups,) power that these kinds take from what has the products ``along`` (groups, k) with the columns."""
         which = np.concatenate([self.places[kind] for kind in kinds])
         normal = self.normal[:, which[:, None], which]
-        size = np.sqrt(np.maximum(np.einsum("gii->gi", normal), 1e-300))
+        power = np.einsum("gii->gi", normal)
+        # a column all of whose power lies in the group left out is rounding in the others
+        size = np.sqrt(np.maximum(np.maximum(power, _LEAST * power[:1]), 1e-300))
         normal = normal / (size[:, :, None] * size[:, None, :])
         wanted = along[:, which] / size
         normal[:, np.arange(which.size), np.arange(which.size)] += _RIDGE

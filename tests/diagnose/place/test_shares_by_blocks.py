@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.place.equation_error import equation_error
 from dashpot.diagnose.place.free_form import KINDS, explained, rows_of
-from dashpot.diagnose.place.shares_by_blocks import SAID, depends_on, groups_of, jackknife
+from dashpot.diagnose.place.shares_by_blocks import SAID, _Products, depends_on, groups_of, jackknife
 from dashpot.diagnose.place.what_it_follows import symptoms
 from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
@@ -145,3 +145,18 @@ def test_of_one_block_nothing_is_said(stretch):
 
 def test_only_what_is_said_is_no_kind_that_decides():
     assert not SAID.keys() & KINDS.keys()
+
+
+def test_a_column_that_one_group_alone_has_takes_nothing_from_the_others():
+    """In all but that group its products are what rounding leaves of them, of either sign."""
+    random, groups = np.random.default_rng(5), 4
+    columns, target = random.standard_normal((groups, 50, 2)), random.standard_normal((groups, 50))
+    columns[1:, :, 1] = 0.0
+    normal, along = np.einsum("gni,gnj->gij", columns, columns), np.einsum("gni,gn->gi", columns, target)
+    normal[0, 1, 1] += 1e-13  # which the total does not keep
+    power = np.ones((groups, 2))
+    made = _Products({"a": np.array([0]), "b": np.array([1])}, normal, along, along, power, np.ones(groups)).without()
+    rounding = replace(made, along=made.along + 1e-15 * random.standard_normal(made.along.shape))
+    taken = rounding.taken(["a", "b"], rounding.along)
+    assert taken[1] == pytest.approx(rounding.taken(["a"], rounding.along)[1], abs=1e-6)
+    assert np.all(np.abs(taken) < 1e3)
