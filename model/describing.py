@@ -122,7 +122,7 @@ def positive(values: ArrayLike, what: str, unit: str) -> np.ndarray:
     if array.ndim != 1:
         raise BadInput(f"{what} must be one number or a row of numbers, not an array of shape {array.shape}")
     if np.any(wrong):
-        raise BadInput(f"{what} must be above zero, but one is {array[wrong][0]:g} {unit}; leave it out")
+        raise BadInput(f"{what} must be above zero, but one is {array[wrong][0]:g} {unit}; give one above zero")
     return array
 
 

@@ -188,7 +188,7 @@ def verify(
     progress = progress or (lambda _: None)
     recordings = recordings_of(recordings)
     if not recordings:
-        raise BadInput(f"{fmu}: no recording was given to hold it against; give at least one")
+        raise BadInput(f"{Path(fmu).name}: no recording was given to hold it against; give at least one")
     with FmuRun(Path(fmu), limit=TIME_LIMIT if limit is None else limit) as run:
         if run.moved and imposed is None:
             raise BadInput(f"{fmu}: holds a force law by itself, which is not run here; dashpot verify takes it")

@@ -18,6 +18,11 @@ _TREND = numerics(
 _KNOTS = numerics(
     2, "knots", why="in a motion of fewer cycles drift and amplitude are one cubic each, and not told apart"
 )
+_COLOUR = numerics(
+    (1.0, 1.3, 2.4),
+    "times",
+    why="noise integrated so often, in the slope by a Blackman kernel of three cycles, over white noise as dense there",
+)
 _DRIVEN_TREND = numerics(3.5, "cycles a knot", why="a long driven record suffers more from the drift that is left")
 
 if TYPE_CHECKING:
@@ -50,8 +55,8 @@ def displacement(recording: Recording) -> Signal:
         x = _integrate(x, recording.fs, slowest / cycles, swing)
     made = Signal(x, recording.fs)
     if swing is not None:
-        # integrated noise is white no more: what counts is what it has where the motion is
-        made.__dict__["noise"] = response.noise / (2 * np.pi * swing) ** times
+        # integrated noise is white no more: what counts is what it has around the motion's frequency
+        made.__dict__["noise"] = _COLOUR[times] * response.noise / (2 * np.pi * swing) ** times
     return made
 
 

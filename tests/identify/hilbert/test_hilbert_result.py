@@ -225,3 +225,24 @@ def test_what_cannot_be_evaluated_is_said():
         hilbert_analysis([])
     with pytest.raises(BadInput, match="Nothing can be evaluated"):
         hilbert_analysis([Recording("still", 1000.0, np.random.default_rng(0).standard_normal(3000))])
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(("order", "quantity", "unit"), [(1, "velocity", "m/s"), (2, "acceleration", "m/s2")])
+def test_of_an_integrated_decay_the_errors_hold(order, quantity, unit, seed):
+    """A linear decay with an offset as large as the motion, at random, in closed form."""
+    random = np.random.default_rng(seed)
+    frequency, ratio = random.uniform(3.0, 60.0), 10 ** random.uniform(-2.7, -1.5)
+    omega, rate = 2 * np.pi * frequency, frequency * random.uniform(15.0, 60.0)
+    cycles = min(1.0 / ratio, random.uniform(20.0, 100.0))
+    pole = omega * (-ratio + 1j * np.sqrt(1 - ratio**2))
+    time = np.arange(int(cycles / frequency * rate)) / rate
+    seen = np.real(pole**order * 2e-3 * np.exp(pole * time + 1j * random.uniform(0, 6)))
+    largest = float(np.max(np.abs(seen)))
+    seen += largest * (random.uniform(-1, 1) + 10 ** random.uniform(-3.5, -1.7) * random.standard_normal(time.size))
+    fit = hilbert_analysis([Recording("decay", rate, seen, quantity=quantity, unit=unit)]).freevib
+    assert fit is not None
+    assert fit.has_errors
+    stds = fit.both.stds | fit.damping.stds
+    assert abs(fit.values["omega0"] - omega) < 3.5 * stds["omega0"] < 0.05 * omega
+    assert abs(fit.values["viscous"] - 2 * ratio * omega) < 3.5 * stds["viscous"] < 2 * ratio * omega

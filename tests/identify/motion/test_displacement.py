@@ -68,3 +68,16 @@ def test_a_decay_that_begins_loud_bends_no_drift_towards_it(damping, seconds):
     half = t.size // 2
     off = found[:half] - np.real(complex_motion)[:half]
     assert np.std(off) < 0.02 * np.std(np.real(complex_motion)[:half])
+
+
+@pytest.mark.parametrize(("times", "quantity", "unit"), [(1, "velocity", "m/s"), (2, "acceleration", "m/s2")])
+def test_noise_is_that_of_the_slopes_by_the_kernel(times, quantity, unit):
+    """Integrated noise of (f / (f + d))^times, weighed as the first derivative of the kernel weighs it."""
+    window = np.blackman(301) / np.sum(np.blackman(301))  # three cycles of 100 samples
+    apart = np.linspace(-0.8, 2.2, 1501)  # in parts of the frequency; slower is drift
+    passed = np.abs(np.exp(-2j * np.pi * np.outer(apart, np.arange(301)) / 100) @ window) ** 2 * apart**2
+    colour = np.sqrt(np.sum(passed * (1 + apart) ** (-2.0 * times)) / np.sum(passed))
+    noise = 0.01 * np.std(motion(times))
+    seen = motion(times) + noise * np.random.default_rng(3).standard_normal(TIME.size)
+    found = displacement(Recording("run", FS, seen, quantity=quantity, unit=unit))
+    assert found.noise == pytest.approx(colour * noise / PACE**times, rel=0.1)
