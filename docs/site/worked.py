@@ -68,21 +68,28 @@ def worked(pages: Iterable[Path]) -> dict[str, Worked]:
     """Each page by its stem, run or taken from an earlier build, two at a time; without those that lack a recording.
 
     Raises:
-        Differs: a command ended otherwise than the page says, or did not print what it says.
+        Differs: a command ended otherwise than a page says, or did not print what it says; of every page that does.
     """
     pages = [page for page in pages if needed(page.read_text("utf-8")) is not None]
     with ThreadPoolExecutor(2) as pool:
-        return dict(zip([page.stem for page in pages], pool.map(_kept, pages), strict=True))
+        made = list(pool.map(_kept, pages))
+    wrong = [str(each) for each in made if isinstance(each, Differs)]
+    if wrong:
+        raise Differs("\n".join(wrong))
+    return {page.stem: each for page, each in zip(pages, made, strict=True)}
 
 
-def _kept(page: Path) -> Worked:
+def _kept(page: Path) -> Worked | Differs:
     text = page.read_text("utf-8")
     given = b"".join(file.read_bytes() for file in needed(text) or ())
     key = hashlib.sha256((text + _sources() + _FORM).encode() + given).hexdigest()[:16]
     place = KEPT / f"{page.stem}-{key}.json"
     if place.exists():
         return Worked(**json.loads(place.read_text("utf-8")))
-    made = run(text, page.name)
+    try:
+        made = run(text, page.name)
+    except Differs as problem:
+        return problem
     KEPT.mkdir(exist_ok=True)
     for old in KEPT.glob(f"{page.stem}-*.json"):
         if len(old.stem) == len(place.stem):
@@ -181,9 +188,9 @@ def _ran(command: list[str], folder: Path, wanted: int, what: str) -> str:
 
 
 def _check(words: str, printed: str, name: str) -> None:
-    for part in _parts(words):
-        if not any(_holds(line, part) for line in printed.splitlines()):
-            raise Differs(f"{name}: {part!r} was not printed:\n{printed}")
+    missing = [part for part in _parts(words) if not any(_holds(line, part) for line in printed.splitlines())]
+    if missing:
+        raise Differs(f"{name}: {' and '.join(map(repr, missing))} not printed:\n{printed}")
 
 
 def _parts(words: str) -> list[str]:

@@ -88,7 +88,7 @@ def test_a_page_is_run_in_an_empty_folder_and_shows_what_was_printed():
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("^motion", "^multisine", "'\\^multisine' was not printed"),
+        ("^motion", "^multisine", "'\\^multisine' not printed"),
         (" # exit code 2", "", "ended with 2 where 0 is said"),
         ("<!-- says: ^motion | does not exist -->", "<!-- picture: a.svg | it -->", "no command has drawn a.svg"),
     ],
