@@ -1,21 +1,29 @@
 /* Steps of co-simulation, modes and values of model exchange, for both versions of FMI. Included behind component.c. */
 
+#define DP_MOST_COVERED 15 /* ranges whose warnings are counted one by one */
 #define DP_MOST_STEPS 1e8 /* internal steps in one communication step; more is a slip of units */
 
 /* Co-simulation -------------------------------------------------------------------------------------------------- */
 
-/* Says once a run that the amplitude has left what the model was identified for, to each side; a long step may have left
- * it and come back. */
+/* Says once a run that a variable has left what the model was identified for, to each side. A long step may have left
+ * an amplitude and come back. One below is that of any decay. */
 static void dp_mind_range(dp_component *c) {
     dp_engine *e = &c->state.model.engine;
-    const double swing = fmax(e->swing, e->widest);
-    const int outside = dp_outside(swing), bit = outside > 0 ? 1 : 2;
+    int i;
+    for (i = 0; i < DP_NCOVERED; ++i) {
+        const dp_covered_range *covered = &dp_covered[i];
+        const dp_variable *v = &dp_variables[covered->reference];
+        const int swing = v->kind == DP_SWING;
+        const double value = swing ? fmax(e->swing, e->widest) : dp_instance_get(&c->state.model, covered->reference);
+        const int outside = dp_outside(covered, value), bit = (outside > 0 ? 1 : 2) << 2 * (i % DP_MOST_COVERED);
+        if (outside == 0 || (c->state.told & bit)) continue;
+        c->state.told |= bit;
+        if (outside > 0 || !swing || c->host.talkative)
+            dp_report(c, DP_WARNING, "by t = %.6g s the %s has been %.4g %s, %s the range %.4g to %.4g %s that the "
+                      "model was identified in", e->t, v->name, value, covered->unit, outside > 0 ? "above" : "below",
+                      covered->low, covered->high, covered->unit);
+    }
     e->widest = 0.0;
-    if (outside == 0 || (c->state.told & bit)) return;
-    c->state.told |= bit;
-    if (outside > 0 || c->host.talkative)
-        dp_report(c, DP_WARNING, "by t = %.6g s the amplitude has been %.4g, %s the range %.4g to %.4g that the model "
-                  "was identified in", e->t, swing, outside > 0 ? "above" : "below", DP_AMPLITUDE_MIN, DP_AMPLITUDE_MAX);
 }
 
 static int dp_do_step(dp_component *c, double t, double dt, const char *function) {

@@ -7,7 +7,7 @@ enum {
     DP_OUTPUT,
     DP_POWER,      /* energy, dissipated power */
     DP_SWING,      /* the amplitude */
-    DP_OUTSIDE,    /* whether that is one the model was identified for */
+    DP_OUTSIDE,    /* whether the motion is one that the model was identified for */
     DP_STATE,      /* states and what follows from them, for the importer's integrator: continuous.c */
     DP_DERIVATIVE,
     DP_INDICATOR,
@@ -28,6 +28,13 @@ typedef struct {
     double low, high; /* bounds; infinite where there is none */
     const char *name; /* for what is told the importer */
 } dp_variable;
+
+/* What the recordings covered of a variable, and from where on a value is clearly outside. */
+typedef struct {
+    unsigned reference;
+    double low, high, least, most;
+    const char *unit;
+} dp_covered_range;
 
 #include "variables.h" /* generated: the variables by value reference, and the sizes of the motion */
 
@@ -147,11 +154,21 @@ static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
     }
 }
 
-#define DP_CLEARLY 1.01 /* the ends of the range are known no better */
+/* 1 where a value is above what the recordings covered of its variable, -1 below it, else 0; an amplitude of zero is
+ * one of a motion that has not turned yet. */
+static int dp_outside(const dp_covered_range *covered, double value) {
+    if (value > covered->most) return 1;
+    return value < covered->least && !(dp_variables[covered->reference].kind == DP_SWING && value == 0.0) ? -1 : 0;
+}
 
-/* 1 where the amplitude is above what the model was identified for, -1 below it, else 0. */
-static int dp_outside(double swing) {
-    return swing > DP_CLEARLY * DP_AMPLITUDE_MAX ? 1 : swing > 0.0 && DP_CLEARLY * swing < DP_AMPLITUDE_MIN ? -1 : 0;
+static double dp_instance_get(dp_instance *m, unsigned reference);
+
+/* The same of all that is covered: the first that is outside. */
+static int dp_instance_outside(dp_instance *m) {
+    int i, outside = 0;
+    for (i = 0; i < DP_NCOVERED && !outside; ++i)
+        outside = dp_outside(&dp_covered[i], dp_instance_get(m, dp_covered[i].reference));
+    return outside;
 }
 
 static double dp_instance_get(dp_instance *m, unsigned reference) {
@@ -161,7 +178,7 @@ static double dp_instance_get(dp_instance *m, unsigned reference) {
     case DP_OUTPUT: dp_continuous_outputs(m); return m->y[v->index];
     case DP_POWER: dp_continuous_power(m); return m->power[v->index];
     case DP_SWING: return m->engine.swing;
-    case DP_OUTSIDE: return dp_outside(m->engine.swing);
+    case DP_OUTSIDE: return dp_instance_outside(m);
     case DP_STATE: return m->engine.z[v->index];
     case DP_DERIVATIVE: dp_continuous_rates(m); return m->f[v->index];
     case DP_INDICATOR: dp_continuous_indicators(m); return m->indicator[v->index];

@@ -22,7 +22,10 @@ from .smoothing import MotionSize
 
 if TYPE_CHECKING:
     from ..model import Oscillator
+    from ..model.oscillator import Range
 
+#: By how much a value may be larger than what the recordings covered: the ends of a range are known no better.
+_CLEARLY = 1.01
 #: What the description of a start value ends with that each run has for itself: a phase.
 OWN = ", another in each run"
 #: Names that are a word of C or a device of Windows, so that no file or function can bear them.
@@ -42,6 +45,7 @@ _WORDS = {
     "power": ("output", "continuous"),
     "swing": ("output", "discrete"),
     "outside": ("output", "discrete"),
+    "outside-given": ("output", "continuous"),
     "state": ("local", "continuous"),
     "derivative": ("local", "continuous"),
     "indicator": ("local", "continuous"),
@@ -115,6 +119,32 @@ class Variable:
 
 
 @dataclass(frozen=True)
+class Covered:
+    """What the recordings covered of a variable, and from where on a value is clearly outside."""
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    least: float
+    most: float
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.low:.4g} to {self.high:.4g} {self.unit}"
+
+    @classmethod
+    def of_amplitude(cls, covered: Range) -> Covered:
+        """Of an oscillator's amplitude, which has its slack as a part of each end."""
+        return cls("amplitude", covered.unit, covered.min, covered.max, covered.min / _CLEARLY, covered.max * _CLEARLY)
+
+    @classmethod
+    def of_span(cls, name: str, unit: str, low: float, high: float) -> Covered:
+        """Of a variable that goes both ways."""
+        slack = (_CLEARLY - 1.0) * 0.5 * (high - low)
+        return cls(name, unit, low, high, low - slack, high + slack)
+
+
+@dataclass(frozen=True)
 class Description:
     """What an importer needs to know; the value reference of a variable is its place in ``variables``.
 
@@ -126,7 +156,7 @@ class Description:
         follows: for each state the index of the one that its start value is counted from, or None.
         ranges: of each switching surface the size that it goes through, in its unit.
         nominals: typical size of each state.
-        amplitude: smallest and largest amplitude that the model was identified in.
+        covered: what the recordings covered of variables; ``outside_range`` says that one has left it.
     """
 
     name: str
@@ -137,7 +167,7 @@ class Description:
     follows: tuple[int | None, ...] = (None, None)
     ranges: tuple[float, ...] = ()
     nominals: tuple[float, ...] = (1.0, 1.0)
-    amplitude: tuple[float, float] = (0.0, math.inf)
+    covered: tuple[Covered, ...] = ()
     state: str = ""
 
     @property
@@ -242,7 +272,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
         eq.follows,
         size.ranges,
         size.nominals,
-        (covered.min, covered.max) if covered is not None else (0.0, math.inf),
+        (Covered.of_amplitude(covered),) if covered is not None else (),
         state_of_fit(oscillator) or "",
     )
 

@@ -10,7 +10,7 @@ from ..model.equations import ORIGIN, equations
 from ..model.parameter import Parameter
 from .element_fmu import ORIGIN_WORDS, describe_element
 from .element_motion import channel_words, state_units, values_of
-from .plain_c import c_texts, c_words, origin_of, valid_for, write_c
+from .plain_c import c_texts, c_words, noted, origin_of, valid_for, write_c
 
 
 def export_element_c(element: Element, path: Path) -> tuple[Path, Path]:
@@ -37,6 +37,7 @@ def element_c(element: Element, header: str) -> tuple[str, str]:
         f"time in s, force in {element.force_unit}. What it is fastened to feels the opposite force.",
         f"{valid_for({'amplitude': element.amplitude, 'speed': element.speed})}.",
         *origin_of(element.identified),
+        *noted(description),
     ]
     parameters = element.parameters() | {ORIGIN: Parameter(element.origin, None, element.unit)}
     said = element.descriptions() | {ORIGIN: ORIGIN_WORDS}

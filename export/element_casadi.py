@@ -22,6 +22,7 @@ import numpy as np
 from ..files.writing import together, write
 from ..model.element import Element
 from ..model.equations import Equations, equations, signed
+from ..model.fit_state import state_of_fit
 from ..simulate.casadi_step import with_defaults
 from .casadi_functions import serialised
 from .element_motion import motion_size, state_units, values_of
@@ -91,5 +92,12 @@ def describe(element: Element, eq: Equations, widths: np.ndarray) -> dict[str, A
             {"name": name, "unit": one.unit, "reference": one.reference, "min": one.low, "max": one.high}
             for name, one in element.channels.items()
         ],
+        "valid": {
+            name: {"min": covered.min, "max": covered.max, "unit": covered.unit}
+            for name, covered in (("amplitude", element.amplitude), ("speed", element.speed))
+            if covered is not None
+        },
+        "state_of_fit": state_of_fit(element),
+        "recordings": [dict(recording) for recording in element.identified.recordings],
         "widths": [float(width) for width in widths],
     }

@@ -18,9 +18,11 @@ from ..model import units
 from ..model.element import Element
 from ..model.element_file import dumps
 from ..model.equations import ORIGIN, Equations, equations
+from ..model.fit_state import state_of_fit
 from .archive import write_archive
 from .binaries import binaries, chosen, remark
 from .description import (
+    Covered,
     Description,
     Knowns,
     Variable,
@@ -110,6 +112,11 @@ def describe_element(element: Element, eq: Equations, *, version: int = 2) -> De
         Variable("energy", "power", 0, energy, "kinetic and stored energy", None, *known.of(eq.energy)),
         Variable("dissipated_power", "power", 1, power, taken, None, *known.of(eq.dissipated)),
     ]
+    covered = _covered(element)
+    if covered:
+        names, spans = tuple(one.name for one in covered), ", ".join(map(str, covered))
+        text = f"1 where the motion or a channel is above what the element was identified in, -1 below it ({spans})"
+        variables.append(Variable("outside_range", "outside-given", 0, "1", text, None, names, names))
     words, bounds = element.descriptions(), element.bounds()
     for i, (name, parameter) in enumerate(element.parameters().items()):
         if not math.isfinite(parameter.value):
@@ -143,7 +150,22 @@ def describe_element(element: Element, eq: Equations, *, version: int = 2) -> De
         eq.follows,
         size.ranges,
         size.nominals,
+        covered,
+        state_of_fit(element) or "",
     )
+
+
+def _covered(element: Element) -> tuple[Covered, ...]:
+    """What the recordings covered: of the displacement to both sides, of the velocity, of channels."""
+    covered = []
+    if (reach := element.amplitude) is not None:
+        ends = element.origin - reach.max, element.origin + reach.max
+        covered.append(Covered.of_span("displacement", element.unit, *ends))
+    if (speed := element.speed) is not None:
+        covered.append(Covered.of_span("velocity", units.compose("X/s", element.unit), -speed.max, speed.max))
+    for name, (one, _) in channel_words(element).items():
+        covered.append(Covered.of_span(name, one.unit, one.low, one.high))
+    return tuple(covered)
 
 
 def _documentation(description: Description, version: int) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import warnings
 from collections.abc import Callable, Sequence
@@ -36,6 +35,7 @@ _KINDS = {
     "power": "DP_POWER",
     "swing": "DP_SWING",
     "outside": "DP_OUTSIDE",
+    "outside-given": "DP_OUTSIDE",
     "state": "DP_STATE",
     "derivative": "DP_DERIVATIVE",
     "indicator": "DP_INDICATOR",
@@ -177,7 +177,11 @@ def _variables_header(description: Description, guid: str) -> str:
         for v in description.variables
     ]
     follows = ", ".join("-1" if leader is None else str(leader) for leader in description.follows)
-    low, high = description.amplitude
+    covered = "".join(
+        f"    {{{description.reference(c.name)}, {c.low!r}, {c.high!r}, {c.least!r}, {c.most!r}, "
+        f'"{_in_a_message(c.unit)}"}},\n'
+        for c in description.covered
+    )
     return (
         "/* Generated: the variables by value reference, and the sizes of the motion. */\n"
         f'#define DP_GUID "{guid}"\n'
@@ -189,9 +193,9 @@ def _variables_header(description: Description, guid: str) -> str:
         f"#define DP_FORCE_RATE {_place(description, 'slope')}\n"
         f"#define DP_SMOOTHING_AT {_place(description, 'smoothing')}\n"
         f"#define DP_EXTRAPOLATION_AT {_place(description, 'extrapolation')}\n"
-        f"#define DP_AMPLITUDE_MIN {low!r}\n"
-        f"#define DP_AMPLITUDE_MAX {'HUGE_VAL' if math.isinf(high) else repr(high)}\n"
+        f"#define DP_NCOVERED {len(description.covered)}\n"
         f"static const dp_variable dp_variables[DP_NV] = {{\n{''.join(rows)}}};\n"
+        f"static const dp_covered_range dp_covered[DP_NCOVERED + 1] = {{\n{covered}    {{0}}}};\n"
         "/* For each state the one that it is counted from at the start, or -1; its typical size. */\n"
         f"static const int dp_follows[DP_NZ] = {{{follows}}};\n"
         f"static const double dp_nominal[DP_NZ] = {{{', '.join(map(repr, description.nominals))}}};\n"

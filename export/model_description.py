@@ -51,6 +51,7 @@ def model_description(
         chosen = [v for v in description.variables if v.role in roles]
         return [(place[v.name] + first, places(v.knowns), places(v.initial_knowns)) for v in chosen]
 
+    outputs = ("output", "power", "swing", "outside", "outside-given")
     states = {v.derivative_of for v in description.variables if v.derivative_of}
     return render(
         f"fmi{version}_description.xml.j2",
@@ -62,10 +63,10 @@ def model_description(
         tool=f"dashpot {__version__}" + (f" with {tool}" if tool else ""),
         units=description.units(),
         display={name: _DISPLAY.get(name, ()) for name in description.units()},
-        outputs=entries("output", "power", "swing", "outside"),
+        outputs=entries(*outputs),
         derivatives=entries("derivative"),
         indicators=entries("indicator"),
-        initial=entries("output", "power", "swing", "outside", "physical", "state", "derivative"),
+        initial=entries(*outputs, "physical", "state", "derivative"),
         events=len(description.ranges),
         source_files=source_files,
         python=python,

@@ -237,9 +237,14 @@ def about(o: Oscillator, description: Description) -> list[str]:
     )
     unit = f"x, the displacement, in {length}; time in s; input F in {force.unit}: {force.description}."
     valid, origin = valid_for({"amplitude": o.amplitude, "frequency": o.frequency}), origin_of(o.identified)
-    noted = [f"Take note: {description.state}."] if description.state else []
     speed, acceleration = units.compose("X/s", length), units.compose("X/s2", length)
-    return [f"{inside} {unit}", f"Velocity in {speed}, acceleration in {acceleration}. {valid}.", *origin, *noted]
+    rates = f"Velocity in {speed}, acceleration in {acceleration}. {valid}."
+    return [f"{inside} {unit}", rates, *origin, *noted(description)]
+
+
+def noted(description: Description) -> list[str]:
+    """What must be known of the fit, in a sentence; none where there is nothing."""
+    return [f"Take note: {description.state}."] if description.state else []
 
 
 def valid_for(covered: Mapping[str, Range | None]) -> str:

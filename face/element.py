@@ -16,6 +16,7 @@ import numpy as np
 from ..errors import BadInput
 from ..files.arguments import path_of
 from ..model.element import Element
+from ..model.fit_state import left_over, state_of_fit
 from ..recording import Reading, Recording, recordings_of
 from .figures import FIGURES, beside, figures_of, write_figures
 from .python_words import in_python, speaks_python
@@ -158,8 +159,8 @@ class ForceElement:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is to be known of the identification."""
-        return () if self.fit is None else tuple(map(in_python, self.fit.notes))
+        """What is to be known of the identification: what it leaves, then what was met on the way."""
+        return tuple(map(in_python, [*left_over(self.element), *(() if self.fit is None else self.fit.notes)]))
 
     @speaks_python
     def force(
@@ -286,12 +287,14 @@ def described(element: Element) -> str:
     lines += ["", "Valid for (what the recordings covered)", *covered] if covered else []
     files = [str(recording.get("file", "?")) for recording in element.identified.recordings]
     lines += ["", "Identified from", *(f"  {file}" for file in files)] if files else []
+    noted = left_over(element)
+    lines += ["", "Take note", *(f"  - {sentence}." for sentence in noted)] if noted else []
     return "\n".join(lines) + "\n"
 
 
 def as_json(element: Element) -> dict[str, Any]:
     """The same as plain data."""
-    from ..model.show import finite, percent
+    from ..model.show import finite, identified_as_json, percent, valid_as_json
 
     words = element.descriptions()
     return {
@@ -316,6 +319,9 @@ def as_json(element: Element) -> dict[str, Any]:
         ],
         "motion": {"unit": element.unit, "origin": element.origin},
         "force": {"unit": element.force_unit},
+        "valid": valid_as_json(amplitude=element.amplitude, speed=element.speed),
+        "identified": identified_as_json(element.identified),
+        "state_of_fit": state_of_fit(element),
     }
 
 

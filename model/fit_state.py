@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import BadInput
 
 if TYPE_CHECKING:
+    from .element import Element
     from .oscillator import Oscillator
 
 #: A recording holds more than a model where that leaves so many times its noise, which itself is estimated.
@@ -37,13 +38,15 @@ class Left:
 
     Attributes:
         file: the recording's name.
-        part: over the standard deviation of the motion, simulated freely.
+        part: over the standard deviation of the motion, simulated freely; of an element, of the force.
         times: the same rms over that of the noise.
+        of: what was fitted, ``motion`` or ``force``.
     """
 
     file: str
     part: float
     times: float
+    of: str = "motion"
 
     @property
     def noise(self) -> float:
@@ -57,8 +60,8 @@ class Left:
 
     @property
     def of_motion(self) -> str:
-        """``3.2 % of the motion``."""
-        return f"{percent_words(100 * self.part)} % of the motion"
+        """``3.2 % of the motion``, or of the force."""
+        return f"{percent_words(100 * self.part)} % of the {self.of}"
 
     def as_json(self) -> dict[str, float]:
         """As a model file has it, under a recording; without what is not finite."""
@@ -66,11 +69,12 @@ class Left:
         return {name: value for name, value in figures.items() if math.isfinite(value)}
 
 
-def left_of(oscillator: Oscillator) -> list[Left]:
-    """What the model leaves of each recording that it was identified from, where that is known."""
+def left_of(model: Oscillator | Element) -> list[Left]:
+    """What a model leaves of each recording that it was identified from, where that is known."""
+    of = "force" if model.imposed else "motion"
     return [
-        Left(str(r["file"]), float(r["nrmse"]), float(r["over_noise"]))
-        for r in oscillator.identified.recordings
+        Left(str(r["file"]), float(r["nrmse"]), float(r["over_noise"]), of)
+        for r in model.identified.recordings
         if r.get("nrmse") is not None and r.get("over_noise") is not None
     ]
 
@@ -115,14 +119,14 @@ def beyond(oscillator: Oscillator, most: MostLeft) -> list[str]:
     ]
 
 
-def left_over(oscillator: Oscillator) -> list[str]:
+def left_over(model: Oscillator | Element) -> list[str]:
     """A sentence for each recording of which the model leaves more than its noise."""
-    family = "model" if oscillator.terms else "Eq. 17 family"
+    family = "model" if model.terms else "Eq. 17 family"
     return [
         f"{left.file}: the model leaves {left.of_noise}, {left.of_motion}, "
         f"so the recording holds something that the {family} does not, and the parameters may be off by more than "
         "their errors"
-        for left in lacking(oscillator)
+        for left in lacking(model)
     ]
 
 
@@ -134,15 +138,16 @@ def faults_of_recordings(oscillator: Oscillator) -> list[str]:
     ]
 
 
-def state_of_fit(oscillator: Oscillator) -> str | None:
+def state_of_fit(model: Oscillator | Element) -> str | None:
     """What must be known of all of a model's parameters, in a sentence without names of files; None: nothing.
 
     It has at most 250 characters of ASCII, so that it can stand anywhere.
     """
-    count, beyond_noise, faulty = len(oscillator.identified.recordings), lacking(oscillator), _faulty(oscillator)
+    count, beyond_noise, faulty = len(model.identified.recordings), lacking(model), _faulty(model)
     sentences = []
     if beyond_noise:
-        most = Left("", max(left.part for left in beyond_noise), max(left.times for left in beyond_noise))
+        worst = [max(getattr(left, figure) for left in beyond_noise) for figure in ("part", "times")]
+        most = Left("", *worst, beyond_noise[0].of)
         sentences.append(
             f"the model leaves more than noise of {_of(len(beyond_noise), count)}, up to {most.of_noise} and "
             f"{most.of_motion}"
@@ -160,10 +165,10 @@ def _of(some: int, count: int) -> str:
     return "its recording" if count == 1 else f"{some} of its {count} recordings"
 
 
-def lacking(oscillator: Oscillator) -> list[Left]:
+def lacking(model: Oscillator | Element) -> list[Left]:
     """What the model leaves of those recordings that hold more than it does."""
-    return [left for left in left_of(oscillator) if left.times > LACKING]
+    return [left for left in left_of(model) if left.times > LACKING]
 
 
-def _faulty(oscillator: Oscillator) -> list[Mapping[str, Any]]:
-    return [r for r in oscillator.identified.recordings if r.get("fault")]
+def _faulty(model: Oscillator | Element) -> list[Mapping[str, Any]]:
+    return [r for r in model.identified.recordings if r.get("fault")]

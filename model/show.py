@@ -13,7 +13,7 @@ from .physical import machine, machine_words
 
 if TYPE_CHECKING:
     from .element import Element
-    from .oscillator import Oscillator, Range
+    from .oscillator import Oscillator, Provenance, Range
     from .parameter import Parameter
 
 STRONG = 0.9  # correlation above which two parameters are hard to tell apart
@@ -50,7 +50,6 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
     """The same as plain data for ``json.dumps``: numbers with their units, None where something is not known."""
     o = oscillator
     words = o.descriptions()
-    provenance = o.identified
     return {
         "format": "dashpot-show/1",
         "name": o.name,
@@ -73,28 +72,38 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
         "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in o.terms],
         "response": {"quantity": o.response.quantity, "unit": o.response.unit},
         "excitation": {"unit": o.force_unit, "hold": o.hold},
-        "valid": {
-            name: None if r is None else {"min": float(r.min), "max": float(r.max), "unit": r.unit}
-            for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
-        },
-        "identified": {
-            "recordings": [dict(recording) for recording in provenance.recordings],
-            "method": provenance.method,
-            "software": provenance.software,
-            "commit": provenance.commit or None,
-            "versions": dict(provenance.versions),
-            "command": provenance.command or None,
-            "parameters": list(provenance.parameters),
-            "covariance": None
-            if provenance.covariance is None
-            else [[float(c) for c in row] for row in provenance.covariance],
-            "log_likelihood": finite(provenance.log_likelihood),
-        },
+        "valid": valid_as_json(amplitude=o.amplitude, frequency=o.frequency),
+        "identified": identified_as_json(o.identified),
         "correlations": [
             {"parameters": [first, second], "correlation": value} for first, second, value in strong_correlations(o)
         ],
         "state_of_fit": state_of_fit(o),
         "warnings": warnings(o),
+    }
+
+
+def valid_as_json(**covered: Range | None) -> dict[str, Any]:
+    """Ranges that the recordings covered, by their names."""
+    return {
+        name: None if r is None else {"min": float(r.min), "max": float(r.max), "unit": r.unit}
+        for name, r in covered.items()
+    }
+
+
+def identified_as_json(identified: Provenance) -> dict[str, Any]:
+    """Where numbers come from."""
+    return {
+        "recordings": [dict(recording) for recording in identified.recordings],
+        "method": identified.method,
+        "software": identified.software,
+        "commit": identified.commit or None,
+        "versions": dict(identified.versions),
+        "command": identified.command or None,
+        "parameters": list(identified.parameters),
+        "covariance": None
+        if identified.covariance is None
+        else [[float(c) for c in row] for row in identified.covariance],
+        "log_likelihood": finite(identified.log_likelihood),
     }
 
 

@@ -19,7 +19,7 @@ from dashpot.model.element import Element
 from dashpot.model.element_file import loads
 from dashpot.model.equations import equations
 from dashpot.model.library import find
-from dashpot.model.oscillator import Range
+from dashpot.model.oscillator import Provenance, Range
 from dashpot.simulate.compiler import find_compiler
 from dashpot.simulate.imposed import force_along, spline_of
 
@@ -33,7 +33,7 @@ OWN = {
 }
 
 INNER = {"hysteresis": ("deflection",), "nonlinear-maxwell": ("deflection",)}
-CO_SIMULATION = "CoSimulation"
+CO_SIMULATION, DOCUMENTATION = "CoSimulation", "documentation/index.html"
 INPUTS, OUTPUTS = ("displacement", "velocity", "acceleration"), ("F", "energy", "dissipated_power")
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 
@@ -65,6 +65,36 @@ def same_force(law: str, force: np.ndarray) -> None:
     """Within 1e-6 of the engine; at a turn a sample is on one side or the other."""
     expected = force_along(element(law), X, 1.0 / FS)
     assert np.quantile(np.abs(force - expected) / np.std(expected), 0.98) < 1e-6
+
+
+@needs_compiler
+@pytest.mark.parametrize("version", [2, 3])
+def test_the_fmu_says_what_its_fit_leaves_and_where_the_motion_goes_beyond(
+    version: int, tmp_path: Path, callers: Any
+) -> None:
+    left = {"file": "strut.csv", "nrmse": 0.071, "over_noise": 14.0}
+    lacking = replace(element(), origin=1e-3, identified=Provenance(recordings=(left,)))
+    (path,) = export_element(lacking, tmp_path / "strut.fmu", version=version)
+    said = "up to 14 times the noise and 7.1 {} of the force"
+    text, page = (zipfile.ZipFile(path).read(name).decode() for name in ("modelDescription.xml", DOCUMENTATION))
+    assert said.format("%") in text
+    assert said.format("%") in page
+    assert "displacement -0.004 to 0.006 m" in page
+    caller = callers(path, CO_SIMULATION).start(displacement=1e-3)
+    flags = []
+    for i, (x, v) in enumerate([(1e-3, 0.0), (5.9e-3, 0.0), (6.2e-3, 0.0), (0.0, -5.0), (-5e-3, 0.0), (1e-3, 0.0)]):
+        caller.set(displacement=x, velocity=v)
+        flags += caller.get("outside_range")
+        caller.fmu.doStep(i * 1e-4, 1e-4)
+    assert flags == [0.0, 0.0, 1.0, -1.0, -1.0, 0.0]
+    fit, *beyond = caller.texts
+    assert said.format("per cent") in fit
+    fastest = f"{np.max(np.abs(V)):.4g}"
+    assert [line[line.index("the ") :] for line in beyond] == [
+        "the displacement has been 0.0062 m, above the range -0.004 to 0.006 m that the model was identified in",
+        f"the velocity has been -5 m/s, below the range -{fastest} to {fastest} m/s that the model was identified in",
+        "the displacement has been -0.005 m, below the range -0.004 to 0.006 m that the model was identified in",
+    ]
 
 
 @needs_compiler

@@ -195,7 +195,7 @@ def test_outside_the_range_is_told_once_a_run_and_side(ranged, callers, version)
         assert np.count_nonzero(np.diff(flags)) >= 7  # in and out again, twice
         assert sorted(told(caller)) == [(WARNING, "above"), (WARNING, "below")]
         assert all("that the model was identified in" in text for text in caller.texts)
-        assert any("0.001 to 0.003" in text for text in caller.texts)
+        assert any("0.001 to 0.003 m that" in text for text in caller.texts)
         caller.messages.clear()
         caller.fmu.reset()
 
