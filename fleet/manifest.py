@@ -196,11 +196,14 @@ def _sound(options: Mapping[str, Any], place: tuple[str | int, ...], document: D
     """Report what no recording could be identified with, before any is."""
     from ..model.fit_state import parse_most_left
     from ..model.library import find
+    from ..model.quantity import plain
     from ..recording.channel import stated_channels
 
     checks: list[Callable[[], object]] = [
         lambda law=law: find(law) for law in options.get("laws_beside") or [] if not options.get("law")
     ]
+    given = {**(options.get("fix") or {}), "mass": options.get("mass")}
+    checks += [lambda name=name, value=value: plain(value, name) for name, value in given.items() if value is not None]
     if options.get("max_left") is not None:
         checks.append(lambda: parse_most_left(options["max_left"]))
     if options.get("prescribed"):

@@ -40,8 +40,8 @@ class OptionsForm(Form):
     prescribed: _Word | None = None
     channels: dict[str, _Word | float | list[_Word | float]] | None = None
     laws_beside: list[_Word] | None = Field(default=None, alias="with")
-    fix: dict[str, float] | None = None
-    mass: _Positive | None = None
+    fix: dict[str, float | _Word] | None = None
+    mass: _Positive | _Word | None = None
     start: _Place | None = Field(default=None, alias="from")
     mode: _Word | float | None = None
     faults: bool | None = None

@@ -62,8 +62,10 @@ def with_provenance(
     files: list[dict[str, Any]] = [{"file": r.name, "sha256": r.sha256} for r in recordings]
     for file, kind in zip(files, kinds, strict=False):
         file["kind"] = kind
+    zeros = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
     for index, file in enumerate(files):
         file |= unit_of_file(recordings[index])
+        file |= {"zero": float(zeros[index])} if index in zeros else {}
         left = left_of_recording(fit, index)
         file |= {} if left is None else left.as_json()
         if index in faults:

@@ -69,8 +69,12 @@ def filled(
     try:
         made = form.model_validate(document.data)
     except ValidationError as errors:
+        first: dict[Path, str] = {}  # of what may be of two kinds, pydantic says of each why it is not that
         for error in errors.errors(include_url=False):
-            document.report(*problem_of(error))
+            path, sentence = problem_of(error)
+            first.setdefault(path, sentence)
+        for path, sentence in first.items():
+            document.report(path, sentence)
     check()
     if made is None or document.problems:
         raise document.error()

@@ -111,8 +111,9 @@ class Provenance:
 
     Attributes:
         recordings: one mapping a recording with ``file``, ``sha256``, ``kind`` and what the model leaves of it, by its
-            rms: ``nrmse`` over the standard deviation of the motion, ``over_noise`` over the noise; ``fault`` says what
-            the measuring chain did to it, where that was asked for and found.
+            rms: ``nrmse`` over the standard deviation of the motion, ``over_noise`` over the noise; ``zero`` is
+            what its sensor shows at rest, in the unit of the response, where that stands out; ``fault`` says what the
+            measuring chain did to it, where that was asked for and found.
         method: for example ``maximum-likelihood``.
         software: name and version.
         commit: of the checkout that it ran from, "" where it was installed.

@@ -99,6 +99,7 @@ class RecordingForm(Form):
     unit: _RecordedUnit | None = None
     nrmse: Annotated[float, Field(ge=0)] | None = None
     over_noise: Annotated[float, Field(ge=0)] | None = None
+    zero: float | None = None
     fault: _Sentence | None = None
     added: _Words | None = None
 

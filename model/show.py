@@ -293,12 +293,21 @@ def _origin(o: Oscillator) -> list[str]:
     provenance = o.identified
     left = {one.file: f"; left {one.of_noise}, {one.of_motion}" for one in left_of(o)}
     lines = [
-        f"  {_recording(recording)}{left.get(str(recording.get('file')), '')}" for recording in provenance.recordings
+        f"  {_recording(recording)}{left.get(str(recording.get('file')), '')}{_zero(o, recording)}"
+        for recording in provenance.recordings
     ]
     lines = lines or ["  not stated"]
     likelihood = None if provenance.log_likelihood is None else f"log likelihood {provenance.log_likelihood:.6g}"
     how = [part for part in (provenance.method, provenance.software, likelihood) if part]
     return [*lines, *([f"  by {', '.join(how)}"] if how else [])]
+
+
+def _zero(o: Oscillator, recording: Mapping[str, Any]) -> str:
+    """What the sensor shows at rest, where that stands out."""
+    if recording.get("zero") is None:
+        return ""
+    value, unit = as_recorded(o, float(recording["zero"]), o.response.unit)
+    return f"; at zero its sensor shows {value:.4g} {unit}"
 
 
 def _recording(recording: Mapping[str, Any]) -> str:

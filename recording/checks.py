@@ -351,10 +351,11 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
         return []
     if no_reach(recording, motion):
         return []  # unrelated signals have no phase
+    drives = "the moving base" if recording.base else "the force"
     return [
         _note(
             recording,
-            "the force takes work out of the motion instead of putting any in: its sign or that of the response is "
+            f"{drives} takes work out of the motion instead of putting any in: its sign or that of the response is "
             f"wrong, or it is recorded about half a cycle late, or the response is no {recording.quantity}, or each is "
             "the other; turn the response with --calibration response=-1, state --quantity, or exchange the columns",
         )

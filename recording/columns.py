@@ -144,11 +144,16 @@ def choose_columns(
             f"{table.where} has no column for the response among {_listed(table)}; name it with --response{gone}"
         )
     if len(likely) != 1:
-        options = "--response" if chosen["force"] is not None else "--force and --response"
         names = ", ".join(table.label(i) for i in likely or unclear)
+        others = (
+            ""
+            if chosen["force"] is not None
+            else ", and what drives it with --base where that is a motion (of the foot, or of a spring's end), with "
+            "--force where it is a force (or a voltage for it)"
+        )
         raise BadInput(
             f"{table.where}: cannot tell which of the columns {names} is the response; "
-            f"name the columns with {options}" + ("" if chosen["time"] is not None else " (and --time or --fs)")
+            f"name it with --response{others}" + ("" if chosen["time"] is not None else " (and --time or --fs)")
         )
     return Choice(chosen["time"], chosen["force"], likely[0], base=moved)
 

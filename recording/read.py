@@ -234,7 +234,8 @@ def _recording(
     if force_unit is not None and of_base is None and force_unit.quantity not in ("force", "any"):
         raise BadInput(
             f"{table.where}: the force column {table.label(choice.force or 0)} has the unit '{force_unit.text}', "
-            "which is none of a force; choose another column with --force, or state the unit with --force-unit"
+            "which is none of a force; where it is a motion that drives the rig, name it with --base; else choose "
+            "another column with --force, or state the unit with --force-unit"
         )
     force_factor *= force_unit.factor if force_unit else 1.0
     indices = [i for i in (choice.response, choice.force, choice.time) if i is not None]

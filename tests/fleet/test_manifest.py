@@ -26,14 +26,15 @@ def test_recordings_of_a_rig_make_one_model_with_the_options_of_both(written, tm
     path = written(
         "defaults: {unit: mm, fix: {dry: 0.0, cubic: 1.0}, with: [quadratic-drag], part: '1:'}\n"
         "rigs:\n"
-        "  - {name: a, recordings: [x.csv, sub/y.csv], holdout: z.csv, unit: m, fix: {cubic: 2}, mass: 0.3, state: 5,\n"
+        "  - {name: a, recordings: [x.csv, sub/y.csv], holdout: z.csv, unit: m, fix: {cubic: 2, friction: 0.1 N},\n"
+        "     mass: 300 g, state: 5,\n"
         "     when: 2026-03-31, response: '*acc*', force-unit: kN, mode: 2, max-left: 5%, from: start.yaml}\n",
     )
     (entry,) = read_manifest(path).entries
     assert entry.recordings == (str(tmp_path / "x.csv"), str(tmp_path / "sub/y.csv"))
     assert entry.holdout == (str(tmp_path / "z.csv"),)
     assert entry.reading == {"unit": "m", "force_unit": "kN", "part": "1:", "response": ["*acc*"]}
-    assert entry.how["fix"] == {"dry": 0.0, "cubic": 2.0, "mass": 0.3}
+    assert entry.how["fix"] == {"dry": 0.0, "cubic": 2.0, "friction": "0.1 N", "mass": "300 g"}
     assert (entry.how["with"], entry.how["mode"], entry.how["diagnose"]) == (["quadratic-drag"], "2", "unfit")
     assert (entry.rig, entry.state, entry.when) == ("a", "5", "2026-03-31T00:00:00+00:00")
     assert entry.start == str(tmp_path / "start.yaml")
@@ -82,7 +83,7 @@ def test_parts_are_repeats_of_one_state(written):
         ("rigs: [{recordings: a.csv, part: '1:', parts: ['1:2']}]", "keep one of them"),
         ("rigs: [{recordings: a.csv, part: '2:1'}]", "part '2:1' is not understood"),
         ("rigs: []", "empty list"),
-        ("rigs: [{recordings: a.csv, fix: {dry: none}}]", "$.rigs[0].fix.dry: must be a plain number"),
+        ("rigs: [{recordings: a.csv, fix: {dry: none}}]", "$.rigs[0]: dry is 'none'; give a number, or a text"),
         ("rigs: [{recordings: a.csv, each: yes}]", "must be true or false"),
     ],
 )

@@ -87,7 +87,7 @@ def test_a_row_of_units_counts():
 @pytest.mark.parametrize(
     ("names", "options", "words"),
     [
-        (("V1_V", "V2_V"), {}, "'V1_V', 'V2_V' is the response.*--force and --response.*--fs"),
+        (("V1_V", "V2_V"), {}, "'V1_V', 'V2_V' is the response.*--response.*--base.*--force.*--fs"),
         (("time_s", "x_m", "y_m"), {}, "'x_m', 'y_m' is the response.*--response"),
         (("time_s", "force_N"), {}, "no column for the response.*--response"),
         (("t_s", "time_s", "x_m"), {}, "look like the time.*--time"),

@@ -105,7 +105,7 @@ def test_a_decay_beside_an_idle_force_sensor_is_free(tmp_path):
         ("t_s,x_m", [TIME, DECAY], {"response": "t_s", "time": "none"}, "'t_s' has the unit 's'.*--response"),
         ("t_s,x_m,y_m", [TIME, DECAY, DECAY], {"force": "y_m", "response": "x_m"}, "'y_m'.*none of a force"),
         ("t_s,x_m", [TIME, DECAY], {"time": "x_m", "response": "t_s", "unit": "m"}, "time column 'x_m' has the unit"),
-        ("V1_V,V2_V", [DECAY, DECAY], {"fs": FS}, "--force and --response"),
+        ("V1_V,V2_V", [DECAY, DECAY], {"fs": FS}, "--response, and what drives it with --base"),
     ],
 )
 def test_bad_input(tmp_path, header, columns, options, words):
