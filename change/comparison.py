@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..identify.signals.odds import BY_CHANCE
-from ..model import Oscillator
 from ..model.fit_state import left_of, left_over
+from ..model.identified import Identified
 from .estimates import Estimates, laws_of, side_by_side
 from .moved import Moved, joined, what_moved
 from .quantities import Quantity, quantities
@@ -93,7 +93,7 @@ class Comparison:
 
 
 def compare(
-    first: Oscillator, second: Oscillator, repeats: Sequence[Sequence[Oscillator]] = (), *, level: float = BY_CHANCE
+    first: Identified, second: Identified, repeats: Sequence[Sequence[Identified]] = (), *, level: float = BY_CHANCE
 ) -> Comparison:
     """What changed from one model to another.
 
@@ -145,12 +145,12 @@ def compare(
     )
 
 
-def trusted(models: Sequence[Oscillator]) -> bool:
+def trusted(models: Sequence[Identified]) -> bool:
     """Whether no model leaves more than noise of any recording, so that its errors are what they say."""
     return not any(left_over(model) for model in models)
 
 
-def remarks(models: Sequence[Oscillator], known: Repeatability) -> list[str]:
+def remarks(models: Sequence[Identified], known: Repeatability) -> list[str]:
     """What a user should know of the models that are compared, one sentence each."""
     notes = []
     worst = max((left for model in models for left in left_of(model)), key=lambda left: left.times, default=None)

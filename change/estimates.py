@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import BadInput
-from ..model import Oscillator, units
+from ..model import units
+from ..model.identified import Identified
 
 #: What keeps a covariance of full rank, as a part of each variance.
 _RIDGE = 1e-9
@@ -50,14 +51,17 @@ def of_first(estimates: Estimates, n: int) -> Estimates:
     return replace(estimates, values=estimates.values[:n], covariance=estimates.covariance[:n])
 
 
-def side_by_side(models: Sequence[Oscillator]) -> Estimates:
+def side_by_side(models: Sequence[Identified]) -> Estimates:
     """The parameters that all models estimate.
 
     Raises:
-        BadInput: they are not in the same units, or have no errors, or nothing in common.
+        BadInput: they are not of one kind or in the same units, or have no errors, or nothing in common.
     """
     first = models[0]
     for model in models[1:]:
+        if model.imposed != first.imposed:
+            law, rig = (first, model) if first.imposed else (model, first)
+            raise BadInput(f"{law.name} is a force law by itself and {rig.name} an oscillator; compare two of one kind")
         for name, parameter in model.parameters().items():
             there = first.parameters().get(name)
             if there is not None and not units.same(there.unit, parameter.unit):
@@ -84,7 +88,7 @@ def side_by_side(models: Sequence[Oscillator]) -> Estimates:
     return Estimates(tuple(names), unit, scale, values / scale, covariance, given)
 
 
-def _stated(model: Oscillator) -> tuple[list[str], np.ndarray]:
+def _stated(model: Identified) -> tuple[list[str], np.ndarray]:
     """Names that a model estimates with an error above zero, and their covariance."""
     provenance, parameters = model.identified, model.parameters()
     if provenance.covariance is not None:
@@ -107,7 +111,7 @@ def _block(own: list[str], matrix: np.ndarray, names: list[str]) -> np.ndarray:
     return matrix[np.ix_(rows, rows)]
 
 
-def _not_compared(models: Sequence[Oscillator], names: list[str]) -> tuple[str, ...]:
+def _not_compared(models: Sequence[Identified], names: list[str]) -> tuple[str, ...]:
     """A sentence for each parameter that some model has and that is not compared, but for those of further laws."""
     notes = []
     for name in dict.fromkeys(name for model in models for name in model.parameters() if "." not in name):
@@ -119,6 +123,6 @@ def _not_compared(models: Sequence[Oscillator], names: list[str]) -> tuple[str, 
     return tuple(notes)
 
 
-def laws_of(model: Oscillator) -> tuple[str, ...]:
+def laws_of(model: Identified) -> tuple[str, ...]:
     """The effects that a model has beside Eq. 17."""
     return tuple(term.effect for term in model.terms)

@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import BadInput
 from ..files.computed_once import computed_once
 from ..identify.signals.odds import BY_CHANCE
-from ..model import Oscillator
+from ..model.identified import Identified
 from .comparison import remarks, trusted
 from .estimates import Estimates, laws_of, of_first, side_by_side
 from .moved import Moved
@@ -36,7 +36,7 @@ class Point:
     """
 
     name: str
-    model: Oscillator
+    model: Identified
     state: str | None = None
     when: float | str | None = None
 
@@ -119,7 +119,7 @@ class Life:
 def watch(
     points: Sequence[Point],
     name: str = "rig",
-    repeats: Sequence[Sequence[Oscillator]] = (),
+    repeats: Sequence[Sequence[Identified]] = (),
     *,
     level: float = BY_CHANCE,
 ) -> Life:
@@ -164,7 +164,7 @@ def watch(
     )
 
 
-def _places(repeats: Sequence[Sequence[Oscillator]], first: int) -> list[list[int]]:
+def _places(repeats: Sequence[Sequence[Identified]], first: int) -> list[list[int]]:
     """Where the models of each group stand behind ``first`` others."""
     ends = np.cumsum([first, *map(len, repeats)])
     return [list(range(low, high)) for low, high in pairwise(ends)]

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..model import Oscillator
+from ..model.identified import Identified
 from ..model.machine_units import products
+from ..model.oscillator import Oscillator
 
 
 @dataclass(frozen=True)
@@ -51,18 +52,23 @@ class Change:
         return {"quantity": self.name, "unit": self.unit, "from": self.before, "to": self.after}
 
 
-def quantities(models: Sequence[Oscillator], masses: Sequence[float] | None = None) -> dict[str, Quantity]:
+def quantities(models: Sequence[Identified], masses: Sequence[float] | None = None) -> dict[str, Quantity]:
     """Quantities of the machine by the parameter that each follows from, where it is not that itself.
+
+    The parameters of a force law by itself are.
 
     Args:
         models: one for each state, in the same units.
         masses: of each state, where these are known better than by its own model.
     """
+    rigs = [model for model in models if isinstance(model, Oscillator)]
+    if len(rigs) < len(models):
+        return {}
     found = {"omega0": Quantity("natural frequency", "Hz", (1.0 / (2.0 * math.pi),) * len(models))}
-    if any(model.mass is None for model in models):
+    if any(model.mass is None for model in rigs):
         return found
-    own = tuple(model.mass.value for model in models if model.mass is not None)
-    for model in models:
+    own = tuple(model.mass.value for model in rigs if model.mass is not None)
+    for model in rigs:
         for name, product in products(model).items():
             words = product.name.replace("_", " ")
             found.setdefault(name, Quantity(words, product.unit, own if masses is None else tuple(masses)))

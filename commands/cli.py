@@ -313,6 +313,8 @@ def identify(
     say(f"written: {', '.join(str(path) for path in (output, report, *drawn) if path is not None)}")
     if left_over(identification.oscillator) and not (faults or identification.faults):
         say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
+    elif left_over(identification.oscillator) and not identification.faults:
+        say("dashpot diagnose asks what physics is missing")
     for sentence in faults_of_recordings(identification.oscillator):
         say(sentence, always=True)
     if identification.useless:

@@ -128,7 +128,7 @@ def identify(
         text_of(name, "the name of the rig")
     if fixed is not None and not isinstance(fixed, Mapping):
         raise BadInput(f'fixed is such as {{"mass": 0.27}}, not {shown(fixed)}')
-    from .element import begun_by
+    from .identified import identified_of
 
     say = progress or silent
     added = add_mass or add_stiffness
@@ -139,7 +139,7 @@ def identify(
         laws=[laws] if isinstance(laws, str) else several_of(laws, "laws"),
         fixed=fixed,
         mass=mass,
-        start=None if start is None else begun_by(start),
+        start=None if start is None else identified_of(start),
         mode=mode_text(mode),
         faults=faults,
         every=every,

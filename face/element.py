@@ -23,11 +23,9 @@ from .python_words import in_python, speaks_python
 from .workflow import Say, rig_of, seconds_allowed, silent
 
 if TYPE_CHECKING:
-    from ..model.oscillator import Oscillator
     from ..model.parameter import Parameter
     from ..prescribed.element_fit import ElementFit, ElementFound
     from ..verify.verification import Verification
-    from .model import Model
 
 
 def is_element_file(path: Path) -> bool:
@@ -46,19 +44,6 @@ def load_element(path: str | Path) -> ForceElement:
     from ..model.element_file import load_element as load
 
     return ForceElement(load(path_of(path, "the file of an element")))
-
-
-def begun_by(start: Model | Oscillator | ForceElement | Element | str | Path) -> Oscillator | Element:
-    """What an identification starts from: a model or an element, or that of a file; raises BadInput for others."""
-    from .model import oscillator_of
-
-    if isinstance(start, ForceElement):
-        return start.element
-    if isinstance(start, Element):
-        return start
-    if isinstance(start, str | Path) and is_element_file(path := Path(path_of(start, "a model file"))):
-        return load_element(path).element
-    return oscillator_of(start)
 
 
 def write_element(fit: ElementFit, model: Path, report: Path | None = None, figures: Sequence[str] = ()) -> list[Path]:
@@ -265,7 +250,7 @@ class ForceElement:
 
 def described(element: Element) -> str:
     """The element as text: equation, parameters with errors, what it is valid for, where it comes from."""
-    from ..model.show import columns_text, percent, span_words, value_and_error
+    from ..model.show import columns_text, origin_lines, percent, span_words, value_and_error
 
     words, cells = element.descriptions(), []
     for name, p in element.parameters().items():
@@ -285,8 +270,7 @@ def described(element: Element) -> str:
         stated = f"what depends on it is stated at {one.reference:.4g} {one.unit}"
         covered.append(f"  {name:<10} {one.low:.4g} to {one.high:.4g} {one.unit} ({stated})")
     lines += ["", "Valid for (what the recordings covered)", *covered] if covered else []
-    files = [str(recording.get("file", "?")) for recording in element.identified.recordings]
-    lines += ["", "Identified from", *(f"  {file}" for file in files)] if files else []
+    lines += ["", "Identified from", *origin_lines(element)] if element.identified.recordings else []
     noted = left_over(element)
     lines += ["", "Take note", *(f"  - {sentence}." for sentence in noted)] if noted else []
     return "\n".join(lines) + "\n"

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..files.arguments import number_of, path_of, several_of, shown, text_of
-from .model import Model, oscillator_of
+from .identified import identified_of
+from .model import Model
 
 if TYPE_CHECKING:
     from ..change.comparison import Comparison
     from ..change.life import Life
     from ..fleet.table import Row
-    from ..model import Oscillator
+    from ..model.identified import Identified
+    from .element import ForceElement
 
 
 def batch(
@@ -58,14 +60,14 @@ def batch(
 
 
 def compare(
-    first: Model | Oscillator | str | Path,
-    second: Model | Oscillator | str | Path,
-    repeats: Sequence[Sequence[Model | Oscillator | str | Path]] = (),
+    first: Model | ForceElement | Identified | str | Path,
+    second: Model | ForceElement | Identified | str | Path,
+    repeats: Sequence[Sequence[Model | ForceElement | Identified | str | Path]] = (),
 ) -> Comparison:
     """What changed from one model to another: the fewest parameters that explain it, and which law appeared.
 
     Args:
-        first: model with the errors of its parameters, or its file.
+        first: model with the errors of its parameters, or a force law by itself, or the file of either.
         second: the model to compare with it.
         repeats: groups of models, each of one unchanged rig, from which it is learnt how far repeats lie apart.
 
@@ -81,17 +83,20 @@ def compare(
     from ..change import compare as changed
 
     groups = [several_of(group, "a group of repeats") for group in several_of(repeats, "repeats")]
-    known = [[oscillator_of(model) for model in group] for group in groups]
-    return changed(oscillator_of(first), oscillator_of(second), known)
+    known = [[identified_of(model) for model in group] for group in groups]
+    return changed(identified_of(first), identified_of(second), known)
 
 
 def watch(
-    models: Sequence[Model | Oscillator | str | Path], *, name: str = "rig", repeats: Sequence[str | Path] = ()
+    models: Sequence[Model | ForceElement | Identified | str | Path],
+    *,
+    name: str = "rig",
+    repeats: Sequence[str | Path] = (),
 ) -> Life:
     """Which parameters moved over a rig's life, and when.
 
     Args:
-        models: of one rig in the order of time, or their files.
+        models: of one rig, or force laws of one specimen, in the order of time, or their files.
         name: of the rig.
         repeats: model files of one unchanged rig, or folders that ``batch`` wrote, to learn repeatability from.
 
@@ -108,6 +113,6 @@ def watch(
     from ..change.life import watch as watched
     from ..fleet.lives_of_rigs import repeats_of
 
-    points = [Point(str(place), oscillator_of(model)) for place, model in enumerate(several_of(models, "models"), 1)]
+    points = [Point(str(place), identified_of(model)) for place, model in enumerate(several_of(models, "models"), 1)]
     places = [path_of(place, "a file or folder of repeats") for place in several_of(repeats, "repeats")]
     return watched(points, text_of(name, "the name of the rig"), repeats_of(places))

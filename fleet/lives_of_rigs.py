@@ -11,9 +11,7 @@ from ..change import Life, Point, watch
 from ..errors import BadInput
 from ..files.reading import content_of
 from ..files.yaml_loader import suggestion
-from ..model import Oscillator
-from ..model.element_file import is_element
-from ..model.file import load, text_at
+from ..model.identified import Identified, load_identified
 from .kept_files import changed_file
 from .manifest import instant
 from .sealed_json import unsealed
@@ -49,10 +47,7 @@ def lives_of(
             if entry["model"] is None:
                 say(f"note: {entry['name']} has no model ({entry['result']}) and is left out")
                 continue
-            if _is_law(entry):
-                say(f"note: {entry['name']} is a force law by itself, whose life is not told, and is left out")
-                continue
-            model = load(entry["model"])
+            model = load_identified(entry["model"])
             point = Point(entry["name"], model, entry.get("state"), entry.get("when"))
             rigs.setdefault(entry["rig"], []).append(point)
     if not rigs:
@@ -69,21 +64,21 @@ def lives_of(
     return [watch(points, name, taught) for name, points in rigs.items() if len(points) > 1]
 
 
-def repeats_of(places: Sequence[Path]) -> list[list[Oscillator]]:
+def repeats_of(places: Sequence[Path]) -> list[list[Identified]]:
     """Groups of models, each of one rig in one state: the model files together, and the states of fleets' results.
 
     Raises:
         BadInput: nothing in them repeats.
     """
-    groups: dict[tuple[str, str, str], list[Oscillator]] = {}
+    groups: dict[tuple[str, str, str], list[Identified]] = {}
     for place in places:
         if not place.is_dir():
-            groups.setdefault(("", "", ""), []).append(load(place))
+            groups.setdefault(("", "", ""), []).append(load_identified(place))
             continue
         for entry in _entries(place):
-            if entry["model"] is not None and entry.get("state") is not None and not _is_law(entry):
+            if entry["model"] is not None and entry.get("state") is not None:
                 key = (str(place), entry["rig"], entry["state"])
-                groups.setdefault(key, []).append(load(entry["model"]))
+                groups.setdefault(key, []).append(load_identified(entry["model"]))
     found = [group for group in groups.values() if len(group) > 1]
     if places and not found:
         raise BadInput(
@@ -95,7 +90,7 @@ def repeats_of(places: Sequence[Path]) -> list[list[Oscillator]]:
 
 def _distinct(places: Sequence[Path]) -> list[Point]:
     """A point for each model file, named by the file where models bear the same name."""
-    models = [load(place) for place in places]
+    models = [load_identified(place) for place in places]
     alike = len({model.name for model in models}) < len(models)
     return [Point(place.stem if alike else model.name, model) for place, model in zip(places, models, strict=True)]
 
@@ -131,11 +126,6 @@ def _entries(folder: Path, say: Callable[[str], None] = lambda _: None) -> list[
     for entry in value["entries"]:
         entry["model"] = _model_of(store, entry) if entry["key"] else None
     return value["entries"]
-
-
-def _is_law(entry: Mapping[str, Any]) -> bool:
-    """Whether a row is of a force law by itself, whose motion was prescribed."""
-    return is_element(text_at(entry["model"]))
 
 
 def _model_of(store: Store, entry: Mapping[str, Any]) -> Path | None:

@@ -52,7 +52,7 @@ from .problem.release_memory import give_back_at_once
 from .problem.structure import shapes_of
 from .provenance import with_provenance
 from .signals.hilbert import LONG
-from .signals.odds import DECISIVE, SIGNIFICANT
+from .signals.odds import ABOVE_NOISE, DECISIVE, SIGNIFICANT
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
 from .start.further_modes import ringing_modes
@@ -60,6 +60,11 @@ from .start.start import HilbertEstimate, estimated, hilbert_start, plain_starts
 
 _log = logging.getLogger(__name__)
 
+#: What a user hears who asked for faults where there are none, by whether more than noise is left.
+_NO_FAULT = {
+    True: "nothing that a measuring chain does (gains, delays, hum, zeros, clocks) explains what the model leaves",
+    False: "what the model leaves is noise: of faults of the measuring chain there is nothing to be seen",
+}
 LEADS_NOWHERE = (
     "the model to start from does not predict the motion, not even over one cycle; the search began at an estimate "
     "from the recordings: check that the model is of this rig and in the same units"
@@ -281,6 +286,8 @@ def identify(
         strange = None if effects or fixed or start or several else _alone
         found = explain_residual(fit, recordings, asked=faults, alone=strange)
         fit, faulty, chain = found.fit, found.faults, (*chain, *found.notes)
+        if faults and not faulty and not found.notes:
+            chain = (*chain, _NO_FAULT[any(part.over_noise > ABOVE_NOISE for part in fit.segments)])
     fit, spread = with_spread(fit, recordings)
     refuse_unknown(fit, recordings)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..files.made_by import made_by
 from ..model import Oscillator, Provenance, Range
+from ..model.fit_state import LACKING
 from ..model.oscillator import Band
 from ..recording.recording import Recording
 from .fit.reported_result import Fit, SegmentFit
@@ -117,11 +118,13 @@ def _as_covariance(matrix: np.ndarray) -> np.ndarray:
 def _moved(part: SegmentFit, fit: Fit) -> np.ndarray:
     """Displacement along a segment, by the pace of its motion, which omega0 is not where a law is the spring.
 
-    Less what the sensor shows at zero. Of an acceleration what the force itself gives the mass is no motion yet: during
-    a blow that is most of it, and the rest is what spring and damping do.
+    Less what the sensor shows at zero. Where a fit leaves more than noise of a displacement, the recording itself says
+    how far it went. Of an acceleration what the force itself gives the mass is no motion yet: during a blow that is
+    most of it, and the rest is what spring and damping do.
     """
     segment, mass = part.segment, fit.oscillator.mass
-    moved = part.simulated - sum(
+    measured = segment.quantity == "displacement" and part.over_noise > LACKING
+    moved = (segment.response if measured else part.simulated) - sum(
         offset.value for offset in fit.offsets if offset.channel == "response" and offset.recording == segment.recording
     )
     if segment.quantity == "acceleration" and segment.force is not None and mass is not None:

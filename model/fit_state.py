@@ -146,8 +146,8 @@ def state_of_fit(model: Oscillator | Element) -> str | None:
     count, beyond_noise, faulty = len(model.identified.recordings), lacking(model), _faulty(model)
     sentences = []
     if beyond_noise:
-        worst = [max(getattr(left, figure) for left in beyond_noise) for figure in ("part", "times")]
-        most = Left("", *worst, beyond_noise[0].of)
+        part, times = (max(getattr(left, figure) for left in beyond_noise) for figure in ("part", "times"))
+        most = Left("", part, times, beyond_noise[0].of)
         sentences.append(
             f"the model leaves more than noise of {_of(len(beyond_noise), count)}, up to {most.of_noise} and "
             f"{most.of_motion}"

@@ -39,7 +39,7 @@ def describe(oscillator: Oscillator) -> str:
             + "\n".join(strong)
         )
     parts.append("Valid for (what the recordings covered)\n" + "\n".join(_validity(o)))
-    parts.append("Identified from\n" + "\n".join(_origin(o)))
+    parts.append("Identified from\n" + "\n".join(origin_lines(o)))
     noted = warnings(o)
     if noted:
         parts.append("Take note\n" + "\n".join(f"  - {sentence}" for sentence in noted))
@@ -289,7 +289,8 @@ def _validity(o: Oscillator) -> list[str]:
     return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}{besides}", *force]
 
 
-def _origin(o: Oscillator) -> list[str]:
+def origin_lines(o: Oscillator | Element) -> list[str]:
+    """Where the numbers come from: each recording with what is left of it, then method and software."""
     provenance = o.identified
     left = {one.file: f"; left {one.of_noise}, {one.of_motion}" for one in left_of(o)}
     lines = [
@@ -302,7 +303,7 @@ def _origin(o: Oscillator) -> list[str]:
     return [*lines, *([f"  by {', '.join(how)}"] if how else [])]
 
 
-def _zero(o: Oscillator, recording: Mapping[str, Any]) -> str:
+def _zero(o: Oscillator | Element, recording: Mapping[str, Any]) -> str:
     """What the sensor shows at rest, where that stands out."""
     if recording.get("zero") is None:
         return ""

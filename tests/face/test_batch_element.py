@@ -58,8 +58,8 @@ def test_dampers_stand_beside_each_other_with_what_they_lack(tmp_path: Path, cap
     assert (kept / "diagnosis" / "report.html").exists()
     assert (kept / "report.html").exists()
     capsys.readouterr()
-    assert ended("watch", out) == 2
-    assert "plain is a force law by itself, whose life is not told" in capsys.readouterr().err
+    assert ended("watch", out) == 1
+    assert "quadratic-drag appeared" in capsys.readouterr().out
 
 
 def test_options_of_an_oscillator_are_refused_in_the_manifest(tmp_path: Path) -> None:

@@ -131,4 +131,5 @@ def test_no_lie_leaves_wrong_numbers_without_a_word(place):
 def test_honest_recordings_are_not_called_liars(rig, seed):
     found = identify(told(STANDS[rig], None, seed), faults=True)
     assert found.faults == ()
+    assert [note for note in found.notes if "a measuring chain does" in note or "faults of the measuring chain" in note]
     assert all(np.isfinite(s.over_noise) for s in found.fit.segments)
