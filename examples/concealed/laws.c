@@ -47,6 +47,17 @@ static double commanded(const Rig *rig, double t)
     return force / p->mass;
 }
 
+/* The force per unit mass that reaches the mass or the coil: behind the lag, a part of it grows with its square. */
+static double arrived(const Rig *rig, double t, const double *y)
+{
+    const Parameters *p = &rig->p;
+    const double force = rig->lag ? y[rig->lag] : commanded(rig, t);
+    if (p->quadratic_part == 0.0) {
+        return force;
+    }
+    return force + p->quadratic_part * (fabs(force) * p->mass / p->quadratic_level - 1.0) * force;
+}
+
 /* One bend of a shape that nobody wrote, smooth everywhere. */
 static double bend(int kind, double u)
 {
@@ -155,7 +166,7 @@ double rig_net(const Rig *rig, double t, const double *y, double *effective_mass
 {
     const Parameters *p = &rig->p;
     const double x = y[0], v = y[1];
-    double force = rig->lag ? y[rig->lag] : commanded(rig, t), inertia = 1.0;
+    double force = arrived(rig, t, y), inertia = 1.0;
     force *= 1.0 - p->force_factor * x * x;
     if (rig->coil) {
         const double lead = y[rig->coil] - x, speed = y[rig->coil + 1] - v;
@@ -262,7 +273,7 @@ static void mass_derivative(const Rig *rig, double t, const double *y, double *d
         const double *c = y + rig->coil;
         const double on = pushed(rig, COIL_UP, p->coil_gap, p->coil_stiffness, p->coil_damping, c[0] - x, c[1] - v);
         dy[rig->coil] = c[1];
-        dy[rig->coil + 1] = ((rig->lag ? y[rig->lag] : commanded(rig, t)) - on) / p->coil_mass;
+        dy[rig->coil + 1] = (arrived(rig, t, y) - on) / p->coil_mass;
     }
     if (rig->loose) {
         const double *c = y + rig->loose;

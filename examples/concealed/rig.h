@@ -22,8 +22,8 @@
     X(maxwell_4) X(relaxation_4) X(maxwell_5) X(relaxation_5) \
     /* inertia */ \
     X(resonator_mass) X(resonator_omega) X(resonator_zeta) \
-    /* excitation: dead zone, then saturation, then lag, then backlash; limits in N */ \
-    X(dead_zone) X(hard_limit) X(smooth_limit) X(actuator_lag) X(input_delay) \
+    /* excitation: dead zone, then saturation, then lag, then a part that is quadratic, then backlash; limits in N */ \
+    X(dead_zone) X(hard_limit) X(smooth_limit) X(actuator_lag) X(input_delay) X(quadratic_part) X(quadratic_level) \
     X(coil_mass) X(coil_gap) X(coil_stiffness) X(coil_damping) \
     /* measurement: lag, then nonlinearity and offset; an accelerometer (1, else 0) in units of omega^2, so as lengths */ \
     X(accelerometer) X(sensor_lag) X(sensor_square) X(sensor_cube) X(sensor_length) X(sensor_offset) X(output_delay) \

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .effects import EFFECTS, UNLISTED, UNWRITTEN
+from .effects import EFFECTS, LATER, SINGLE, UNLISTED, UNWRITTEN
 
 NONE, OPEN, TWO, LAW = "none", "open", "two", "unwritten"
 COUNTS = {NONE: 12, OPEN: 8, TWO: 6}
@@ -40,7 +40,7 @@ def _turn(seed: int, name: str) -> int:
 
 
 def _singles(seed: int, name: str, count: int) -> list[Spec]:
-    variants, first = EFFECTS[name].variants, _turn(seed, name)
+    variants, first = SINGLE[name].variants, _turn(seed, name)
     return [Spec("single", (name,), (variants[(first + i) % len(variants)],), "white", i) for i in range(count)]
 
 
@@ -76,15 +76,15 @@ def specs(
     """
     small = scale == "small"
     chosen = list(dict.fromkeys(kinds)) or [*EFFECTS, *([] if small else COUNTS)]
-    known = [*EFFECTS, *COUNTS, *UNLISTED, *UNWRITTEN]
+    known = [*EFFECTS, *COUNTS, *LATER, *UNLISTED, *UNWRITTEN]
     unknown = [name for name in chosen if name not in known]
     if unknown:
         names = ", ".join(known)
         raise ValueError(f"there is no kind of rig named {', '.join(unknown)}; there are {names}")
     suite: list[Spec] = []
     for name in chosen:
-        if name in EFFECTS:
-            suite += _singles(seed, name, count or (1 if small else max(2, len(EFFECTS[name].variants))))
+        if name in SINGLE:
+            suite += _singles(seed, name, count or (1 if small else max(2, len(SINGLE[name].variants))))
         elif name in UNWRITTEN:
             suite += [Spec(LAW, (name,), ("",), "white", i) for i in range(count or 1)]
         elif name in UNLISTED:

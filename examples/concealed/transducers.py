@@ -1,6 +1,6 @@
 """Sizes of the effects in actuator and sensor: lags by their phase at the natural frequency, limits by the peak force.
 
-`dead_zone`, `hard_limit` and `smooth_limit` are parts of the strong sweep's peak force; the caller makes them newtons.
+`dead_zone`, `hard_limit`, `smooth_limit` and `quadratic_level` are parts of the strong sweep's peak force; the caller makes them newtons.
 """
 
 from __future__ import annotations
@@ -30,6 +30,11 @@ def actuator_saturation(rng: np.random.Generator, base: Base, variant: str, stre
 def actuator_dead_zone(rng: np.random.Generator, base: Base, variant: str, strength: float) -> dict[str, float]:
     """The first 5 to 20 % of the peak force do not arrive."""
     return {"dead_zone": strength * rng.uniform(0.05, 0.20)}
+
+
+def actuator_quadratic(rng: np.random.Generator, base: Base, variant: str, strength: float) -> dict[str, float]:
+    """A fifth to all of the force grows with its square; at the peak force nothing changes."""
+    return {"quadratic_part": strength * rng.uniform(0.2, 1.0), "quadratic_level": 1.0}
 
 
 def actuator_backlash(rng: np.random.Generator, base: Base, variant: str, strength: float) -> dict[str, float]:

@@ -95,6 +95,11 @@ class Physics:
             value = p["smooth_limit"] * np.tanh(value / p["smooth_limit"])
         return value / p["mass"]
 
+    def arrived(self, force: float) -> float:
+        """What grows with the square of a force per unit mass, behind the lag."""
+        part = self.get("quadratic_part")
+        return (1.0 - part) * force + part * abs(force) * force * self.p["mass"] / self.p.get("quadratic_level", 1.0)
+
     def __call__(self, t: float, y: np.ndarray) -> list[float]:
         p, get, x, v = self.p, self.get, y[0], y[1]
         q = dict(zip(self.extra, y[2:], strict=True))
@@ -140,6 +145,7 @@ class Physics:
         if "lag" in q:
             rates["lag"] = (drive - q["lag"]) / p["actuator_lag"]
             drive = q["lag"]
+        drive = self.arrived(drive)
         drive *= 1 - get("force_factor") * x**2
         if "coil" in q:
             push = contact(p, "coil", q["coil"] - x, q["coil_v"] - v)
@@ -228,6 +234,8 @@ SMOOTH = {
     "second": {"second_coupling": 0.3 * K / A, "second_omega": 2.0 * W, "second_zeta": 0.01},
     "switched": SWITCH,
     "delayed": {"input_delay": 0.15 / W},
+    "quadratic": {"quadratic_part": 0.7, "quadratic_level": PEAK},
+    "quadratic behind a lag": {"quadratic_part": 1.0, "quadratic_level": PEAK, "actuator_lag": 0.1 / W},
 }
 BROKEN = {
     "clearance": {"clearance_stiffness": K, "clearance_gap": 0.3 * A},

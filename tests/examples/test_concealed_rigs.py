@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from dashpot.examples import concealed
 from dashpot.examples.concealed import virtual
-from dashpot.examples.concealed.effects import EFFECTS, UNLISTED
+from dashpot.examples.concealed.effects import EFFECTS, SINGLE, UNLISTED
 from dashpot.examples.concealed.make import main, make
 from dashpot.examples.concealed.record import record
 from dashpot.examples.concealed.recordings import EXPERIMENTS, run
@@ -35,7 +35,7 @@ DESIGN = {  # the names of the design's table
     *("actuator-dead-zone", "actuator-backlash", "sensor-lag", "sensor-nonlinearity", "sensor-offset", "time-delay"),
     *("stiffness-drift", "tonal-disturbance"),
 }
-SINGLES = [Spec("single", (e.name,), (v,), "white", 0) for e in EFFECTS.values() for v in e.variants]
+SINGLES = [Spec("single", (e.name,), (v,), "white", 0) for e in SINGLE.values() for v in e.variants]
 OTHERS = [Spec("open", (name,), ("",), "white", 0) for name in UNLISTED]
 
 TRAINING, RECORDINGS = EXPERIMENTS["shaker"].training, EXPERIMENTS["shaker"].recordings
