@@ -48,19 +48,18 @@ def sentence(comparison: Comparison) -> str:
     parts = []
     units = {shift.name: shift.unit for shift in comparison.shifts}
     for name, (first, second) in comparison.explained.items():
-        error = comparison.change_errors[name]
-        size = f", {abs(second[0] - first[0]) / error:.3g} of its errors, all else common to both" if error > 0 else ""
         own = Quantity(name, units[name], (1.0, 1.0))
         change = Change.of(comparison.machine.get(name, own), 0, 1, first[0], second[0])
         share = percent_change(change.before, change.after)
-        parts.append(f"{change.words}{f' ({share}{size})' if share else ''}")
+        parts.append(f"{change.words}{f' ({share}, all else common to both)' if share else ''}")
     said = verdict(comparison.moved, differs=comparison.differs)
     if not comparison.moved.best.moved and not comparison.differs and not comparison.repeatability.trusted:
         said = "Nothing is seen to have moved, by models that leave more than noise: see below"
-    text = f"{said}{': ' if parts else ''}{'; '.join(parts)}."
-    for words, laws in (("appeared", comparison.appeared), ("vanished", comparison.vanished)):
-        if laws:
-            text += f" {spoken(laws)} {words}."
+    laws = (("appeared", comparison.appeared), ("vanished", comparison.vanished))
+    changes = [f"{spoken(names)} {words}" for words, names in laws if names]
+    if changes and not comparison.moved.best.moved and not comparison.differs:
+        return f"{spoken(changes)}; no parameter that both have is seen to have moved."
+    text = " ".join([f"{said}{': ' if parts else ''}{'; '.join(parts)}.", *(f"{change}." for change in changes)])
     return text[0].upper() + text[1:] if comparison.moved.best.moved == () else text
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from functools import partial
 from pathlib import Path
@@ -305,16 +306,18 @@ def identify(
     )
     for note in identification.notes:
         say(f"note: {note}")
-    drawn = write_identification(identification, output, report, figures)
+    drawn = write_identification(identification, output, report, figures, recordings)
     if as_json:
         print_json(model_json(identification.oscillator))
     else:
         click.echo(describe(identification.oscillator))
     say(f"written: {', '.join(str(path) for path in (output, report, *drawn) if path is not None)}")
+    again = shlex.join(map(str, [output, *recordings]))
+    asks = f"dashpot diagnose {again} -o diagnosis, read as here, asks what physics is missing"
     if left_over(identification.oscillator) and not (faults or identification.faults):
-        say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
+        say(f"{asks}; identify --faults, what the measuring chain may have done")
     elif left_over(identification.oscillator) and not identification.faults:
-        say("dashpot diagnose asks what physics is missing")
+        say(asks)
     for sentence in faults_of_recordings(identification.oscillator):
         say(sentence, always=True)
     if identification.useless:

@@ -56,8 +56,8 @@ class OddBlock:
         """For a person."""
         return (
             f"{self}: no law explains what happens there ({self.times:.2g} "
-            "times what is left of motion as large elsewhere), as where a hand or a knock moved or stopped the rig; it "
-            "was left out"
+            "times what is left of motion as large elsewhere), as where a hand or a knock moved or stopped the rig, or "
+            "friction held it; it was left out"
         )
 
 

@@ -85,6 +85,8 @@ def diagnosed(
         verdict=told.verdict,
         effects=told.effects,
         parameters=parameters_of(best.element),
+        recordings=tuple(dict(r) for r in best.element.identified.recordings),
+        left=() if mended else before.left,
         model=f"{DIAGNOSIS}/{MODEL}",
         page=f"{DIAGNOSIS}/{REPORT}",
         notes=tuple(dict.fromkeys([*before.notes, *best.notes])),

@@ -247,6 +247,8 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
         effects=tuple(effect.effect for effect in found.effects),
         parameters=parameters_of(found.model) if found.mended else before.parameters,
         curve=curve_of(found.model) if found.mended else before.curve,
+        recordings=tuple(dict(r) for r in found.model.identified.recordings) if found.mended else before.recordings,
+        left=() if found.mended else before.left,
         model=f"{DIAGNOSIS}/{MENDED}" if found.mended else before.model,
         page=before.page if page is None else f"{DIAGNOSIS}/{PAGE}",
         notes=tuple(dict.fromkeys([*before.notes, *found.notes, *without])),

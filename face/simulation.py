@@ -74,7 +74,7 @@ class Simulation:
         if self.lost is not None:
             return f"{words}; it runs away at {self.lost:.4g} s"
         if self.nrmse is not None:
-            words += f"; leaves {percent_words(100 * self.nrmse)} % of the measured motion"
+            words += f"; leaves {percent_words(100 * self.nrmse)} % of the measured motion, all of it in one run"
         return f"{words}; {self.beyond}" if self.beyond else words
 
     def _said(self, value: float) -> str:

@@ -209,9 +209,20 @@ def _stem(recordings: Sequence[Recording]) -> str:
 
 
 def write_identification(
-    found: Identification, model: Path, report: Path | None = None, figures: Sequence[str] = ()
+    found: Identification,
+    model: Path,
+    report: Path | None = None,
+    figures: Sequence[str] = (),
+    typed: Sequence[Path] = (),
 ) -> list[Path]:
     """Write the model file, the page where a place is given for it, and the pictures in ``figures``' kinds, or none.
+
+    Args:
+        found: the identification.
+        model: file to write, as a user typed it, which is how the page's commands have it.
+        report: page to write.
+        figures: kinds of pictures.
+        typed: the recordings' files likewise; left out, the page has their names.
 
     Returns:
         The paths of the pictures, in a folder beside the model. Raises BadInput.
@@ -224,7 +235,7 @@ def write_identification(
         if report is not None or figures:
             from ..report.page import identification_page
 
-            page = identification_page(found, files=(model.name,))
+            page = identification_page(found, files=(str(model),), typed=tuple(map(str, typed)))
             if report is not None:
                 write(report, page.html)
             drawn = write_figures(page, beside(model), figures)

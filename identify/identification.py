@@ -461,6 +461,25 @@ def of_one_motion(recording: Recording, response: Response) -> bool:
     return Response(recording.quantity, recording.unit).displacement_unit == response.displacement_unit
 
 
+def _like_none(fit: Fit) -> list[str]:
+    """A sentence on what is no larger than twice its error, and what to do where it stays in the model for that."""
+    names = [
+        name
+        for name, p in fit.oscillator.parameters().items()
+        if p.std is not None and abs(p.value) < 2 * p.std and name not in ("mass", "omega0")
+    ]
+    if not names:
+        return []
+    *others, last = names
+    both = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    said = f"{both} not distinguishable from zero in these recordings"
+    if max(part.over_noise for part in fit.segments) > LACKING:
+        fixed = " ".join(f"--fix {name}=0" for name in names)
+        stay = "they stay" if others else "it stays"
+        said += f"; {stay} in the model, for what that leaves may have bent {'them' if others else 'it'} ({fixed})"
+    return [said]
+
+
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     remarks = []
     family = "model" if fit.oscillator.terms else "Eq. 17 family"
@@ -469,9 +488,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -SIGNIFICANT * parameter.std:
             remarks.append(f"{name} came out negative, a sign that the {family} lacks something these recordings show")
-    for name, parameter in fit.oscillator.parameters().items():
-        if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
-            remarks.append(f"{name} is not distinguishable from zero in these recordings")
+    remarks += _like_none(fit)
     for segment in fit.segments:
         if has_lost(segment, fit):
             start = segment.segment.time

@@ -47,6 +47,13 @@ def verdict(shown: Sequence[Comparison]) -> Text:
     which = f"all {len(judged)} recordings" if len(judged) > 1 else "the recording"
     if held:
         which += f", among them {', '.join(held)}, which the identification has not seen"
+    if worst.ratio > LACKING:  # its own errors are so wide that they allow it
+        return Text(
+            f"The model reproduces {which} no better than its own errors allow: its FMU leaves "
+            f"{percent_text(100 * worst.nrmse)} of the motion of {worst.name}, {times_text(worst.ratio)} times the "
+            f"noise, where {percent_text(100 * worst.limit)} would still pass.",
+            "note",
+        )
     return Text(
         f"The model reproduces {which}: its FMU leaves at most {times_text(worst.ratio)} times the noise floor.", "good"
     )
@@ -118,7 +125,11 @@ def _table(shown: Sequence[Comparison]) -> Table:
             row.append("" if c.backbone_error is None else f"{number(c.backbone_error, 2)} Hz")
             row.append(Cell("yes", "good") if c.passed else Cell("no", "bad"))
         rows.append(tuple(row))
-    how = "over the whole recording" if full else "stretch by stretch, each from initial values of its own"
+    how = (
+        "over the whole recording, or over its free decays where no force drives it"
+        if full
+        else "stretch by stretch, each from initial values of its own"
+    )
     caption = (
         f"NRMSE: rms(simulated − measured) / std(measured), simulated freely {how}. Noise floor: the same of a perfect "
         "model, from the noise of the sensor and that of the recorded force. Times the noise: the one over the other."

@@ -32,6 +32,7 @@ class Comparison:
         held_out: whether the identification has not seen it.
         backbone_error: largest distance of the backbones, Hz; None where not known.
         passed: None where no verdict was asked for.
+        limit: the ``nrmse`` that would still pass; NaN where no verdict was asked for.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Comparison:
     held_out: bool = False
     backbone_error: float | None = None
     passed: bool | None = None
+    limit: float = math.nan
 
     @property
     def residual(self) -> np.ndarray:
@@ -95,6 +97,7 @@ def of_verification(verification: Verification) -> tuple[Comparison, ...]:
             c.response,
             backbone_error=c.backbone_max_error_hz,
             passed=c.passed,
+            limit=c.nrmse_limit,
         )
         for c in verification.recordings
     )

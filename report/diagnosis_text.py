@@ -51,7 +51,8 @@ def describe(diagnosis: Diagnosis) -> str:
         lines += ["", *_recordings(diagnosis)]
     bent = _bent(diagnosis)
     if bent:
-        lines += ["", f"Old parameters bent by more than {BENT:g} standard errors", *bent]
+        head = f"Parameters, fitted anew without what is missing, bent by more than {BENT:g} of their new errors"
+        lines += ["", head, *bent]
     if diagnosis.experiment is not None and diagnosis.experiment.sentence.strip():
         lines += ["", "Next experiment", *_wrapped(full_stop(diagnosis.experiment.sentence), "  ", 4)]
     if diagnosis.chain:
@@ -134,7 +135,7 @@ def _bent(diagnosis: Diagnosis) -> list[str]:
         share = f", {shift.percent_text}" if shift.percent_text else ""
         lines.append(
             f"  {shift.name:<{width}}  {number(shift.before.value, 4)} → {_value(shift.after)}  "
-            f"(by {shift.errors_text} standard errors{share})"
+            f"(by {shift.errors_text} new errors{share})"
         )
     return [*lines, *([f"  and {len(bent) - _BENT} more"] if len(bent) > _BENT else [])]
 

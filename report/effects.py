@@ -285,8 +285,9 @@ def shift_section(diagnosis: Diagnosis) -> Section:
         )
     head = ("Parameter", "Before", "After", "± std error", "Shift / std error", "Shift", "Unit", "Meaning")
     caption = (
-        f"Before: the given model fitted to the same recordings. Shift: after less before; beyond {BENT:g} standard "
-        "errors a parameter had been standing in for what was missing."
+        "Before: the given model fitted anew to the same recordings, and not the values of its file. Shift: after less "
+        f"before, over the new standard error; beyond {BENT:g} of these a parameter had been standing in for what was "
+        "missing."
     )
     return Section(title, (Text(_bent_sentence(moved)), Table(head, tuple(rows), (1, 2, 3, 4, 5), caption)))
 

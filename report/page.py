@@ -49,6 +49,7 @@ def identification_page(
     verification: Verification | None = None,
     truth: Mapping[str, float] | None = None,
     files: Sequence[str] = (),
+    typed: Sequence[str] = (),
 ) -> Page:
     """The report.
 
@@ -57,6 +58,7 @@ def identification_page(
         verification: the FMU's runs, where there were any; the pictures then show the FMU instead of the fit.
         truth: true values by parameter name, where they are known, in the model's units.
         files: names of the files made beside the report, for the section on how to use them.
+        typed: the recordings' files as a user typed them, for the command that comes next; left out, their names.
     """
     model = identification.oscillator
     shown = comparisons(identification, verification)
@@ -72,19 +74,24 @@ def identification_page(
         usage_section(model, files),
         Section("Where the numbers come from", tuple(_provenance(identification, files)), folded=True),
     ]
-    lead = _lead(identification, shown, verified=verification is not None, files=files)
+    lead = _lead(identification, shown, verified=verification is not None, files=files, typed=typed)
     return Page(f"Identification of {model.name}", sections, lead=lead)
 
 
 def _lead(
-    identification: Identification, shown: Sequence[Comparison], *, verified: bool, files: Sequence[str]
+    identification: Identification,
+    shown: Sequence[Comparison],
+    *,
+    verified: bool,
+    files: Sequence[str],
+    typed: Sequence[str],
 ) -> list[Block]:
     """Whether the numbers may be believed, the first of them, and what to type next."""
     model = identification.oscillator
     saved = next((name for name in files if name.endswith(".yaml")), None)
     yaml = saved or "model.yaml"
     first = "" if saved else f", of the model saved as {yaml}"
-    recordings = dict.fromkeys(r.name.partition("#")[0] for r in identification.recordings)
+    recordings = typed or tuple(dict.fromkeys(r.name.partition("#")[0] for r in identification.recordings))
     numbers = Text(_in_short(model), lead="In short:")
     left = lacking(model)
     told = identification.useless or identification.unexplained

@@ -1,6 +1,7 @@
 """Sizes of the effects in actuator and sensor: lags by their phase at the natural frequency, limits by the peak force.
 
-`dead_zone`, `hard_limit`, `smooth_limit` and `quadratic_level` are parts of the strong sweep's peak force; the caller makes them newtons.
+`dead_zone`, `hard_limit`, `smooth_limit` and `quadratic_level` are parts of the strong sweep's peak force; the caller
+makes them newtons.
 """
 
 from __future__ import annotations

@@ -86,7 +86,7 @@ def test_laws_that_appear_and_vanish_are_named(model):
     found = compare(model(), model(**drag))
     assert found.appeared == ("quadratic-drag",)
     assert found.changed
-    assert sentence(found).endswith("quadratic-drag appeared.")
+    assert sentence(found) == "quadratic-drag appeared; no parameter that both have is seen to have moved."
     assert compare(model(**drag), model()).vanished == ("quadratic-drag",)
 
 

@@ -27,7 +27,7 @@ def test_the_text_holds_what_it_must(verdict, hand_made) -> None:
         assert "coefficient  0.15000 ± 0.00021 N·s²/m², or 0.50000 ± 0.00050 1/m per unit mass" in text
         assert "Not distinguished from damping that grows with the cube of the speed (cubic-damping)." in text
         assert "What would tell: a record at three times the amplitude." in " ".join(text.split())
-        assert "viscous  5 → 4.5000 ± 0.0045 1/s  (by −111 standard errors, −10 %)" in text
+        assert "viscous  5 → 4.5000 ± 0.0045 1/s  (by −111 new errors, −10 %)" in text
         assert "dry " not in text
         assert "A gap of one sample was closed." in text
     if verdict != "consistent":
