@@ -97,7 +97,9 @@ def significance(law: Law, test: Test) -> float:
     response = Response(test.quantity, {"displacement": "m", "acceleration": "m/s2"}[test.quantity])
     model = Oscillator.from_values(model.values(), laws=(law,), response=response)
     given = forces(test)
-    free = [name for name in model.values() if name != "mass" or any(f is not None for f, _ in given)]
+    kept = {f"{law.name}.{p.name}" for p in law.parameters if p.scale}
+    kept |= set() if any(f is not None for f, _ in given) else {"mass"}
+    free = [name for name in model.values() if name not in kept]
     scale = {name: abs(model.values()[name]) or _natural(law, name) for name in free}
     sizes = NOISE * (OMEGA**2 if test.quantity == "acceleration" else 1.0)
     core, base = core_of(model), model.values()
