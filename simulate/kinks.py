@@ -89,4 +89,7 @@ def sided(vector: Expression, arguments: Sequence[Expression], moving: Expressio
     jacobian = slope(result)
     for symbol, value in zip(reversed(sizes), reversed(made), strict=True):
         stacked, jacobian = ca.substitute([stacked, jacobian], [symbol], [value])
+    for k in reversed(range(len(sides))):  # a comparison may be of what an earlier one has chosen
+        if ca.depends_on(stacked, sides[k]):
+            (stacked,) = ca.substitute([stacked], [sides[k]], [stacked[k]])
     return Sided(ca.vertcat(ca.SX(0, 1), *sides), stacked, ca.sparsify(jacobian))

@@ -200,6 +200,18 @@ def test_a_sample_between_two_jumps_is_there_in_every_way():
 COARSE = 1e-4
 
 
+def of_what_has_any(errors, model, hold):
+    """The errors of derivatives that there are.
+
+    A size that others are measured by is never fitted: as it moves the knots of a curve, it has kinks. Where nothing
+    drives, a load on either side of zero is another side of a drive that asks for the sign of its force.
+    """
+    without = {f"{t.effect}.{p.name}" for t in model.terms for p in t.law.parameters if p.scale}
+    if hold == "none" and any(term.effect == "actuator-quadratic" for term in model.terms):
+        without.add("load")
+    return {name: error for name, error in errors.items() if name not in without}
+
+
 @pytest.mark.parametrize("hold", ["none", "smooth"])
 @pytest.mark.parametrize("effect", LIBRARY)
 def test_of_every_law(effect, hold, with_law, offsets):
@@ -207,7 +219,7 @@ def test_of_every_law(effect, hold, with_law, offsets):
     model = with_law(effect, quantity="acceleration", dry=0.5, **reach)
     inner = offsets(model)
     run = Run(model, (6e-3, 0.1, *inner), HOLDS[hold](1.0), initial_scales=inner)
-    errors = run.errors([100.0, 1.0, 1e-2, 1e-4, 1e-5, 1e-6])
+    errors = of_what_has_any(run.errors([100.0, 1.0, 1e-2, 1e-4, 1e-5, 1e-6]), model, hold)
     assert max(errors.values()) < COARSE, errors
 
 
@@ -273,7 +285,10 @@ structures = st.fixed_dictionaries(
 
 def test_of_any_structure(every, with_law, offsets):
     def holds(drawn):
-        model = with_law(*drawn["effects"], quantity=drawn["quantity"], dry=drawn["dry"], preload=drawn["preload"])
+        signal = {"displacement": 8e-3, "velocity": 0.6, "acceleration": 20.0}[drawn["quantity"]]
+        reach = {f"{name}.signal": signal for name in drawn["effects"] if name.startswith("free/sensor")}
+        own = {"dry": drawn["dry"], "preload": drawn["preload"], **reach}
+        model = with_law(*drawn["effects"], quantity=drawn["quantity"], **own)
         inner, force = offsets(model), HOLDS[drawn["hold"]](drawn["size"])
         begin, measured = (6e-3, 0.1, *inner), None
         if drawn["predicts"]:
@@ -283,6 +298,7 @@ def test_of_any_structure(every, with_law, offsets):
         if np.all(np.isfinite(run.plain())):
             # the short ones for a motion that nearly grazes a surface: beyond, it does in the neighbouring run
             errors = run.errors([100.0, 1.0, 1e-2, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
+            errors = of_what_has_any(errors, model, drawn["hold"])
             assert max(errors.values()) < COARSE, errors
 
     every(structures, holds, usual=60)
