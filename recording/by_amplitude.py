@@ -16,6 +16,7 @@ import numpy as np
 from ..errors import BadInput
 from ..files.arguments import number_of, shown
 from .oscillation import SMALLEST, oscillation_of
+from .pace import cycle_of
 from .recording import Recording
 from .units import Unit, find_unit, parse_unit
 
@@ -92,11 +93,10 @@ def of_amplitude(recording: Recording, wanted: Amplitudes | None) -> list[Record
     if wanted is None:
         return [recording]
     factor = _factor(recording, wanted)
-    moving = oscillation_of(recording)
-    cycle = max(2, round(recording.fs / moving.frequency))
+    cycle = max(2, round(recording.fs * cycle_of(recording)))
     size = _sizes(np.asarray(recording.response, float), cycle)
     inside = (size >= wanted.least * factor) & (size <= wanted.most * factor)
-    rests = max(_ABOVE_NOISE * moving.noise, SMALLEST * float(size.max()))
+    rests = max(_ABOVE_NOISE * oscillation_of(recording).noise, SMALLEST * float(size.max()))
     runs = [(a, b) for a, b in _runs(inside, cycle) if np.count_nonzero(size[a:b] > rests) >= _FEWEST * cycle]
     if not runs:
         there = size[size > rests]

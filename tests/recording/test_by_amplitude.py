@@ -69,6 +69,19 @@ def test_several_releases_are_several_parts(tmp_path):
         read(path, amplitude="1mm..4mm")
 
 
+def test_a_cycle_is_one_of_the_motion_not_one_release_of_many():
+    decay_rate, noise = 6.0, np.random.default_rng(3)
+    held = np.concatenate([0.5 * (1 - np.cos(np.pi * np.arange(100) / 100)), np.ones(300)])
+    freed = np.exp(-decay_rate * T[:1600]) * np.cos(OMEGA * T[:1600])
+    once = PEAK * np.concatenate([held, freed])
+    many = Recording("many.csv", FS, np.tile(once, 7) + 1e-7 * noise.standard_normal(7 * once.size))
+    parts = of_amplitude(many, amplitudes_of("0.2mm..5mm"))
+    begun = 0.4 + 2.0 * np.arange(7)
+    cycle = 2 * np.pi / OMEGA
+    for amplitude, at in ((5e-3, [p.start for p in parts]), (2e-4, [p.start + p.duration for p in parts])):
+        np.testing.assert_allclose(at, begun + math.log(PEAK / amplitude) / decay_rate, atol=0.6 * cycle)
+
+
 def test_the_free_parts_of_a_driven_recording_are_decays(tmp_path):
     """Between bursts the force is noise, which by itself would be refused as one that moves nothing."""
     dice, count = np.random.default_rng(2), 8000
