@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .as_recorded import as_recorded, parameter_as_recorded, recorded_length
+from .as_recorded import as_recorded, parameter_as_recorded, recorded_response
 from .fit_state import faults_of_recordings, left_of, left_over, state_of_fit
 from .oscillator import HOLDS
 from .physical import machine, machine_words
@@ -284,8 +284,8 @@ def _validity(o: Oscillator) -> list[str]:
         if r is not None:
             ranges.append(f"  {name:<10} {span_words(o, r)}")
     force = [] if o.mass is None else [f"  force      {HOLDS[o.hold]} (hold: {o.hold})"]
-    length, own = recorded_length(o), o.response.displacement_unit
-    besides = f", recorded in {o.response.unit.replace(own, length, 1)}" if length != own else ""
+    recorded = recorded_response(o)
+    besides = f", recorded in {recorded}" if recorded != o.response.unit else ""
     return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}{besides}", *force]
 
 

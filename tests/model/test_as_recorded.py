@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.model import Oscillator, Parameter, Provenance, Range, Response, oscillator_with
-from dashpot.model.as_recorded import as_recorded, parameter_as_recorded, recorded_length
+from dashpot.model.as_recorded import as_recorded, parameter_as_recorded, recorded_length, recorded_response
 from dashpot.model.file import dumps, loads
 from dashpot.model.physical import machine_words
 from dashpot.model.quantity import in_base_units
@@ -46,6 +46,34 @@ def test_lengths_speeds_and_accelerations_are_converted_with_their_errors():
     shown = parameter_as_recorded(rig, Parameter(1.2e-3, 1e-5, "m"))
     assert (shown.value, shown.std, shown.unit) == (pytest.approx(1.2), pytest.approx(0.01), "mm")
     assert as_recorded(rig, 9e4, "1/s2") == (9e4, "1/s2")
+
+
+@pytest.mark.parametrize("unit", ["g", "mg"])
+def test_what_an_accelerometer_says_is_in_g_as_it_was_recorded(unit):
+    rig = model(unit, unit, response=Response("acceleration", "m/s2"))
+    shown = find_unit(unit)
+    assert shown is not None
+    assert recorded_response(rig) == unit
+    assert as_recorded(rig, 3.0, "m/s2") == (pytest.approx(3.0 / shown.factor), unit)
+    assert as_recorded(rig, 3.0, "m") == (3.0, "m")
+    assert f"acceleration in m/s2, recorded in {unit}" in describe(rig)
+    first, *others = rig.identified.recordings
+    zero = replace(rig, identified=replace(rig.identified, recordings=({**first, "zero": -2 * shown.factor}, *others)))
+    assert f"at zero its sensor shows -2 {unit}" in describe(zero)
+
+
+@pytest.mark.parametrize(
+    ("units", "response", "said"),
+    [
+        (("mm/s2",), Response("acceleration", "m/s2"), "mm/s2"),
+        (("g", "m/s2"), Response("acceleration", "m/s2"), "m/s2"),
+        (("deg/s",), Response("velocity", "rad/s"), "deg/s"),
+        (("g",), Response("displacement", "m"), "m"),
+        ((), Response("displacement", "m"), "m"),
+    ],
+)
+def test_the_response_has_the_unit_of_all_recordings(units, response, said):
+    assert recorded_response(model(*units, response=response)) == said
 
 
 def test_what_is_shown_is_in_millimetres_and_the_file_in_metres():
