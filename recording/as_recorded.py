@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -30,6 +30,12 @@ def of_response(recording: Recording) -> tuple[float, str]:
 def of_force(recording: Recording) -> tuple[float, str]:
     """The same of the force."""
     return scale_of_unit(recording.force_unit, recording.recorded_force_unit)
+
+
+def of_length(recordings: Sequence[Recording], own: str) -> InUnit:
+    """Factor and unit of a length or an angle in SI, ``own``, as recordings had it: mm where all had mm or mm/s."""
+    known = {recording.recorded_unit.partition("/")[0] for recording in recordings}
+    return scale_of_unit(own, known.pop() if len(known) == 1 else "")
 
 
 def said_of(recording: Recording, value: float, digits: int = 4, *, force: bool = False) -> str:

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..export.render import plain_text
-from ..identify.hilbert.hilbert_files import UNITS, force_unit_of
+from ..identify.hilbert.hilbert_files import UNITS, force_unit_of, shown_value, so_many
 from ..model import Response, units
-from ..model.display import full_stop, number, pretty_unit, times_text
+from ..model.display import full_stop, number, pretty_unit, quantity_text, times_text
+from ..model.parameter import Parameter
+from ..recording.as_recorded import of_length
 from .blocks import Block, Code, Items, Page, Section, Table, Text, picture
 from .hilbert_figures import BAND, characteristic_figure, curves_figure, time_figure
 from .levels import sine_levels
@@ -23,6 +25,7 @@ from .within_figure import within_figure
 if TYPE_CHECKING:
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
     from ..identify.hilbert.modal_result import ModalCurve
+    from ..recording.as_recorded import InUnit
     from ..recording.recording import Recording
 
 _NAMES = {"freevib": "FREEVIB", "forcevib": "FORCEVIB"}
@@ -43,19 +46,19 @@ def hilbert_page(
         truth: true values by parameter name, where they are known.
     """
     unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
-    force = force_unit_of(recordings)
+    force, length = force_unit_of(recordings), of_length(recordings, unit)
     sections = [
-        Section("Parameters", tuple(_parameters(analysis, unit, force, truth))),
+        Section("Parameters", tuple(_parameters(analysis, unit, force, length, truth))),
         Section("Backbones and response", tuple(_backbones(analysis, recordings, unit))),
         Section("Spring and friction", tuple(characteristics(analysis, recordings, unit))),
-        Section("Over time", tuple(_over_time(analysis, unit, force))),
-        Section("Within the cycle", tuple(_within_the_cycle(analysis, unit))),
+        Section("Over time", tuple(_over_time(analysis, unit, force, length))),
+        Section("Within the cycle", tuple(_within_the_cycle(analysis, unit, length))),
         Section("Left aside", (Items(tuple(full_stop(note) for note in analysis.notes)),) if analysis.notes else ()),
         Section("Where the numbers come from", (*_recordings(recordings), *files_text(files))),
     ]
     count = {name: len(analysis.of(method)) for method, name in _NAMES.items()}
     lead = Text(
-        f"{_so_many(count['FREEVIB'], 'free decay')} by FREEVIB, {_so_many(count['FORCEVIB'], 'driven stretch')} by "
+        f"{so_many(count['FREEVIB'], 'free decay')} by FREEVIB, {so_many(count['FORCEVIB'], 'driven stretch')} by "
         "FORCEVIB. All numbers here are those of the Hilbert transform alone; dashpot identify fits the motion itself."
     )
     names = dict.fromkeys(r.name.partition("#")[0] for r in recordings)
@@ -63,11 +66,6 @@ def hilbert_page(
     again = Code(how, f"dashpot identify {shlex.join(names)} -o rig.yaml --report rig.html")
     blocks = [*_warning(analysis), lead, again]
     return Page("Hilbert analysis", sections, lead=blocks)
-
-
-def _so_many(count: int, what: str) -> str:
-    plural = f"{what}{'es' if what.endswith('ch') else 's'}"
-    return f"{count} {what if count == 1 else plural}"
 
 
 def _warning(analysis: HilbertAnalysis) -> list[Text]:
@@ -108,9 +106,11 @@ def characteristics(analysis: HilbertAnalysis, recordings: Sequence[Recording], 
     ]
 
 
-def _parameters(analysis: HilbertAnalysis, unit: str, force: str, truth: Mapping[str, float] | None) -> list[Block]:
+def _parameters(
+    analysis: HilbertAnalysis, unit: str, force: str, length: InUnit, truth: Mapping[str, float] | None
+) -> list[Block]:
     blocks: list[Block] = []
-    table = modal_table(analysis, unit, force, truth=truth)
+    table = modal_table(analysis, unit, force, truth=truth, length=length)
     if table is not None:
         blocks.append(table)
     for method, name in _NAMES.items():
@@ -118,7 +118,7 @@ def _parameters(analysis: HilbertAnalysis, unit: str, force: str, truth: Mapping
         if fit is None:
             continue
         caption = f"{name}'s own fits, one law at a time. Times the noise: rms of what is left over that of the noise."
-        blocks.append(laws_table(fit, unit, caption))
+        blocks.append(laws_table(fit, unit, caption, length))
         spread = analysis.spread(method)
         if spread:
             stated = {key: number(std) if fit.has_errors else "none" for key, std in fit.stds.items()}
@@ -148,14 +148,15 @@ def levels(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> tuple[
     return tuple(level / mass for level in sine_levels(recordings))
 
 
-def _over_time(analysis: HilbertAnalysis, unit: str, force: str) -> list[Block]:
+def _over_time(analysis: HilbertAnalysis, unit: str, force: str, length: InUnit) -> list[Block]:
     blocks, of_mass = [], pretty_unit(units.compose(UNITS["mass"], unit, force))
     for i, curve in enumerate(analysis.curves):
         what = "free decay, FREEVIB" if curve.method == "freevib" else "driven stretch, FORCEVIB"
         caption = f"{plain_text(curve.recording)}, stretch {i + 1}: {what}. Bands: ± {BAND:g} standard errors."
         if curve.fit is not None:
             fit = curve.fit
-            terms = [f"F0/k {number(fit.derived['F0/k'])}{_error(fit.derived_std['F0/k'])} {unit}"]
+            leans = shown_value("F0/k", fit.derived["F0/k"], fit.derived_std["F0/k"], unit, force, length)
+            terms = [f"F0/k {quantity_text(leans) if leans.std else f'{number(leans.value)} {leans.unit}'}"]
             if fit.mass is not None:
                 terms.insert(0, f"mass {number(fit.mass, 5)}{_error(fit.mass_std)} {of_mass}")
             caption += f" By itself: {', '.join(terms)}."
@@ -177,7 +178,7 @@ def _error(std: float) -> str:
     return f" ± {number(std, 2)}" if math.isfinite(std) else ""
 
 
-def _within_the_cycle(analysis: HilbertAnalysis, unit: str) -> list[Block]:
+def _within_the_cycle(analysis: HilbertAnalysis, unit: str, length: InUnit) -> list[Block]:
     """Of the decay that reaches farthest; the CSV file has every one."""
     decays = [curve for curve in analysis.of("freevib") if curve.within is not None]
     if not decays:
@@ -188,22 +189,23 @@ def _within_the_cycle(analysis: HilbertAnalysis, unit: str) -> list[Block]:
         "instant of its largest cycles. Middle: what a sine leaves out. Right: of the motion above and below "
         "rest, each by the time spent there: two curves where the rig is asymmetric."
     )
-    return [picture(lambda: within_figure(curve, unit), caption + _largest(curve, unit))]
+    return [picture(lambda: within_figure(curve, unit), caption + _largest(curve, *length))]
 
 
-def _largest(curve: ModalCurve, unit: str) -> str:
-    """What happens within the largest cycle of a decay, in a sentence."""
+def _largest(curve: ModalCurve, factor: float, unit: str) -> str:
+    """What happens within the largest cycle of a decay, in a sentence; lengths in ``unit``, of which SI has fewer."""
     cycle = curve.within
     assert cycle is not None  # the caller asks for decays that have it
     at = curve.amplitude.argmax()
-    force = f"{number(float(cycle.restoring[at]), 4)} ± {number(float(cycle.restoring_std[at]), 2)} {unit}/s²"
+    pull = Parameter(factor * float(cycle.restoring[at]), factor * float(cycle.restoring_std[at]), f"{unit}/s2")
     sides = " and ".join(
-        f"{number(float(peak[at]), 4)} {unit} at {number(float(omega[at] / (2 * np.pi)), 5)} Hz {side} rest"
+        f"{number(factor * float(peak[at]), 4)} {unit} at {number(float(omega[at] / (2 * np.pi)), 5)} Hz {side} rest"
         for side, peak, omega in zip(("above", "below"), cycle.peaks, cycle.omega, strict=True)
     )
+    reach = number(factor * float(cycle.amplitude[at]), 4)
     return (
-        f" With its harmonics the largest cycle reaches {number(float(cycle.amplitude[at]), 4)} {unit}, where the "
-        f"spring pulls with {force}; its half-waves have {sides}."
+        f" With its harmonics the largest cycle reaches {reach} {unit}, where the "
+        f"spring pulls with {quantity_text(pull)}; its half-waves have {sides}."
     )
 
 

@@ -128,7 +128,8 @@ def _in_short(model: Oscillator) -> str:
 def _methods(identification: Identification) -> tuple[Table, ...]:
     """FREEVIB, FORCEVIB and maximum likelihood beside one another; nothing where neither of the former has a result."""
     model = identification.oscillator
-    table = modal_table(identification.measured, model.response.displacement_unit, model.force_unit, model)
+    unit = model.response.displacement_unit
+    table = modal_table(identification.measured, unit, model.force_unit, model, length=as_recorded(model, 1.0, unit))
     return () if table is None else (table,)
 
 

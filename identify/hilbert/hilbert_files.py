@@ -11,12 +11,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ... import __version__
-from ...model.show import finite
+from ...model import units
+from ...model.fit_state import times_words
+from ...model.parameter import Parameter
+from ...model.show import columns_text, finite, value_and_error
 from ..signals.registry import shown
 from .hilbert_result import HilbertAnalysis
 from .modal_result import LawFit, ModalCurve, ModalFit
 
 if TYPE_CHECKING:
+    from ...recording.as_recorded import InUnit
     from ...recording.recording import Recording
 
 
@@ -95,7 +99,7 @@ def _step(curve: ModalCurve) -> int:
 
 def as_json(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> dict[str, Any]:
     """The laws, their errors and what they come from, for a strict JSON file: what is not known is null."""
-    from ...model import Response, units
+    from ...model import Response
 
     unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
     compose = partial(units.compose, force=force_unit_of(recordings))
@@ -181,27 +185,52 @@ def _values(values: Mapping[str, float], stds: Mapping[str, float], unit: str, c
     }
 
 
+def shown_value(
+    name: str, value: float, std: float | None, unit: str, force: str, length: InUnit | None = None
+) -> Parameter:
+    """A value of ``UNITS`` for a person, without an error where that is not known.
+
+    Args:
+        name, value, std: in SI.
+        unit, force: of the displacement, and of what drives.
+        length: factor and unit in which lengths are shown, where that is another.
+    """
+    factor, shown_in = (
+        (1.0, units.compose(UNITS[name], unit, force)) if length is None or UNITS[name] != "X" else length
+    )
+    return Parameter(factor * value, None if std is None or not math.isfinite(std) else factor * std, shown_in)
+
+
 def of_errors(fit: ModalFit) -> str:
     """Why a fit states no errors, as the end of a sentence; empty where it states them."""
     return "" if fit.has_errors else ": other physics moves the rig, no error would hold, and none is stated"
 
 
 def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
-    """The parameters of both methods as text, one line each."""
+    """The parameters of both methods as text, one line each, lengths in the unit that was recorded."""
     from ...model import Response
-    from ...model.fit_state import times_words
-    from ...model.parameter import Parameter
-    from ...model.units import compose
+    from ...recording.as_recorded import of_length
 
     unit, force = Response(recordings[0].quantity, recordings[0].unit).displacement_unit, force_unit_of(recordings)
+    length = of_length(recordings, unit)
     lines = []
-    for method, words in (("freevib", "free decays"), ("forcevib", "driven stretches")):
+    for method, what in (("freevib", "free decay"), ("forcevib", "driven stretch")):
         fit = getattr(analysis, method)
         if fit is None:
             continue
-        lines.append(f"{method.upper()}, {len(analysis.of(method))} {words}")
+        lines.append(f"{method.upper()}, {so_many(len(analysis.of(method)), what)}")
         values, stds = {**fit.values, **fit.derived}, {**fit.stds, **fit.derived_std}
-        known = {n: std if math.isfinite(std) else None for n, std in stds.items()}
-        lines += [f"  {n:8} {Parameter(v, known[n], compose(UNITS[n], unit, force))}" for n, v in values.items()]
+        cells = []
+        for name, value in values.items():
+            p = shown_value(name, value, stds[name], unit, force, length)
+            number, error = value_and_error(p) if p.std else (f"{p.value:.4g}", "")
+            cells.append((name, number, f"± {error}" if error else "", p.unit))
+        lines += columns_text(cells)
         lines.append(f"  Eqs. 1, 6 and 7 leave {times_words(fit.over_noise)} times the noise{of_errors(fit)}.")
     return "\n".join(lines)
+
+
+def so_many(count: int, what: str) -> str:
+    """``1 free decay``, ``3 driven stretches``."""
+    plural = f"{what}{'es' if what.endswith('ch') else 's'}"
+    return f"{count} {what if count == 1 else plural}"

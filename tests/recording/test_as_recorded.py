@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.recording import Recording, from_sep5, read
-from dashpot.recording.as_recorded import of_force, of_response, scale_of_unit
+from dashpot.recording.as_recorded import of_force, of_length, of_response, scale_of_unit
 from dashpot.recording.fact import changed
 
 
@@ -45,3 +45,20 @@ def test_what_is_wrong_is_said_in_the_unit_of_the_file(tmp_path):
     np.savetxt(path, np.column_stack([t, force, moved]), delimiter=",", header="time_s,force_kN,x_mm", comments="")
     with pytest.raises(BadInput, match=r"it stays exactly at -?5 mm and -?5 mm on"):
         read(path)
+
+
+@pytest.mark.parametrize(
+    ("units", "own", "said"),
+    [
+        (("mm", "mm"), "m", "mm"),
+        (("mm/s",), "m", "mm"),
+        (("mm", "um"), "m", "m"),
+        (("g",), "m", "m"),
+        (("deg",), "rad", "deg"),
+    ],
+)
+def test_a_length_is_in_the_unit_that_all_recordings_had(units, own, said):
+    made = [Recording(f"{i}", 100.0, np.arange(9.0), recorded_unit=unit) for i, unit in enumerate(units)]
+    factor, unit = of_length(made, own)
+    assert unit == said
+    assert factor == pytest.approx({"mm": 1e3, "m": 1.0, "deg": 180 / np.pi}[said])
