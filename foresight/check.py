@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from types import MappingProxyType
@@ -20,8 +20,10 @@ from ..identify.problem.structure import typical_sizes
 from ..identify.signals.registry import shown
 from ..identify.start.start import estimated, hilbert_start
 from ..model import Oscillator
+from ..model.fit_state import percent_words, times_words
+from ..model.machine_units import products
 from ..model.parameter import Parameter
-from ..model.physical import machine
+from ..model.physical import DAMPING_RATIO, machine
 from ..model.show import columns_text, value_and_error
 from ..recording.recording import WHOLE, Recording
 from .advice import advised
@@ -120,7 +122,7 @@ def brief(model: Oscillator, recordings: Sequence[Recording], fixed: Sequence[st
     data = data_of(recordings, model)
     found = of_information(foretold(model, data, recordings, fixed), recordings)
     told = [
-        f"{one.name} {100 * one.std / abs(one.value):.2g} %"
+        f"{one.name} {percent_words(100 * one.std / abs(one.value))} %"
         for one in found.parameters
         if one.std and one.value and one.state in ("told", "poorly")
     ]
@@ -181,8 +183,8 @@ def of_information(
         known, parameters = replace(known, mass=None), [told for told in parameters if told.name != "mass"]
     return Check(
         recordings=qualities(recordings, found.segments),
-        parameters=tuple(parameters),
-        machine=tuple(_told(name, p, False, p.std is None) for name, p in machine(known).items()),
+        parameters=tuple(_as_sure(told, found.follows) for told in parameters),
+        machine=tuple(_of_machine(known, parameters, found.follows)),
         left_out=gone,
         follows=found.follows,
         notes=tuple(_notes(found, recordings, model)),
@@ -205,6 +207,20 @@ def _sizes(found: Information) -> np.ndarray:
     return sizes[[everything.index(name) for name in found.names]]
 
 
+def _of_machine(model: Oscillator, parameters: Sequence[Told], follows: bool) -> Iterator[Told]:
+    """What of the machine is told; where it is that of a parameter that is not told, it is not told either."""
+    state = {told.name: told.state for told in parameters}
+    of = {product.name: name for name, product in products(model).items()} | {DAMPING_RATIO: "viscous"}
+    for name, p in machine(model).items():
+        told = _told(name, p, state.get(of.get(name, name)) == "not told", p.std is None)
+        yield replace(_as_sure(told, follows), words="")
+
+
+def _as_sure(told: Told, follows: bool) -> Told:
+    """The same, called rough where Eq. 17 does not follow the recordings: its error is then no more than a guess."""
+    return replace(told, state="rough") if not follows and told.state in ("told", "poorly") else told
+
+
 def _told(name: str, parameter: Parameter, absent: bool, given: bool) -> Told:
     value, std = float(parameter.value), parameter.std
     if given:
@@ -224,9 +240,9 @@ def _notes(found: Information, recordings: Sequence[Recording], model: Oscillato
         worst = int(np.argmax(found.over_noise))
         name = recordings[found.segments[worst].recording].name
         notes.append(
-            f"Eq. 17 at its start values leaves {found.over_noise[worst]:.2g} times the noise, "
-            f"{100 * found.left[worst]:.2g} % of the motion, in {name}: either the start is not near, or the rig has "
-            "physics that Eq. 17 lacks (dashpot diagnose); the errors are rough"
+            f"Eq. 17 at its start values leaves {times_words(found.over_noise[worst])} times the noise, "
+            f"{percent_words(100 * found.left[worst])} % of the motion, in {name}: either the start is not near, or "
+            "the rig has physics that Eq. 17 lacks (dashpot diagnose); the errors are rough"
         )
     unused = sorted(set(range(len(recordings))) - {segment.recording for segment in found.segments})
     notes += [f"nothing in {recordings[i].name} can be used" for i in unused]
@@ -243,16 +259,20 @@ def describe(found: Check) -> str:
         lines += ["", "As the machine has it", *columns_text([_cells(told) for told in found.machine])]
     said = [told.words for told in found.parameters if told.words]
     if found.left_out:
-        said.append(f"a fit will leave {' and '.join(found.left_out)} at zero (identify --all keeps what it finds)")
+        said.append(f"a fit will leave {_listed(found.left_out)} at zero (identify --all keeps what it finds)")
     said += found.notes
     if said:
         lines += ["", "Take note", *(f"  - {sentence}" for sentence in said)]
     return printable("\n".join(lines))
 
 
+def _listed(names: Sequence[str]) -> str:
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
 def _cells(told: Told) -> tuple[str, ...]:
     value, error = value_and_error(Parameter(told.value, told.std, told.unit))
-    share = "" if told.std is None or not told.value else f"({100 * told.std / abs(told.value):.2g} %)"
+    share = "" if told.std is None or not told.value else f"({percent_words(100 * told.std / abs(told.value))} %)"
     return told.name, value, f"± {error}" if error else "", share, told.unit if told.unit != "1" else "", told.state
 
 

@@ -12,6 +12,7 @@ from ..identify.motion.excitation import kind_of
 from ..identify.problem.segments import Segment
 from ..identify.signals.signals import noise_levels
 from ..model.display import scale_of
+from ..model.fit_state import times_words
 from ..recording.recording import Recording
 from ..recording.resolution import converter_step
 
@@ -89,7 +90,7 @@ class Quality:
 
 
 def _times(peak: float, noise: float) -> str:
-    return "none is seen" if not noise > 0 else f"one in {peak / noise:.2g}"
+    return "none is seen" if not noise > 0 else f"one in {times_words(peak / noise)}"
 
 
 def qualities(recordings: Sequence[Recording], segments: Sequence[Segment]) -> tuple[Quality, ...]:

@@ -14,7 +14,8 @@ class Told:
         value: near which it lies; an estimate without a fit.
         std: standard error that a fit is expected to state; None where it is given or cannot be found.
         unit: of both.
-        state: "told", "poorly" (an error of more than a tenth), "not told" (indistinguishable from none), or "given".
+        state: "told", "poorly" (an error of more than a tenth), "not told" (indistinguishable from none), "given",
+            or "rough" (Eq. 17 does not follow the recordings, and the error is no more than a guess).
         words: a sentence for what is not told.
     """
 

@@ -57,7 +57,7 @@ def _per_mass(p: Mapping[str, Any]) -> list[Any]:
 #: two kinds of damping are known apart far worse than what they come to there.
 AMID = ("frequency_amid", "damping_ratio_amid")
 #: What a drawing states and the FMU has no need of.
-_RATIO = "damping_ratio"
+DAMPING_RATIO = "damping_ratio"
 _RATIO_WORDS = "viscous damping over critical: viscous / (2 omega0)"
 
 
@@ -75,17 +75,17 @@ def machine(oscillator: Oscillator) -> dict[str, Parameter]:
     def of(p: Mapping[str, Any]) -> dict[str, Any]:
         names = [name for name, _, _ in QUANTITIES]
         found = [p["mass"], *[p["mass"] * quantity for quantity in _per_mass(p)], p["omega0"] / (2 * math.pi)]
-        return dict(zip(names, found, strict=True)) | {_RATIO: p["viscous"] / (2 * p["omega0"])}
+        return dict(zip(names, found, strict=True)) | {DAMPING_RATIO: p["viscous"] / (2 * p["omega0"])}
 
     slopes = {  # by a complex step, which is exact
         name: {key: q.imag / _STEP for key, q in of(given | {name: complex(given[name], _STEP)}).items()}
         for name in given
     }
     unit, force = oscillator.response.displacement_unit, oscillator.force_unit
-    templates = {name: template for name, template, _ in QUANTITIES} | {_RATIO: "1"}
+    templates = {name: template for name, template, _ in QUANTITIES} | {DAMPING_RATIO: "1"}
     made = {}
     for name, value in of(given).items():
-        if oscillator.mass is None and name not in ("natural_frequency", _RATIO):
+        if oscillator.mass is None and name not in ("natural_frequency", DAMPING_RATIO):
             continue
         needs = [key for key in values if slopes[key][name]]
         known = [stds[key] for key in needs if stds[key] is not None]
@@ -176,7 +176,7 @@ def machine_words(oscillator: Oscillator) -> dict[str, str]:
     value, unit = as_recorded(oscillator, amid(oscillator) or 0.0, oscillator.response.displacement_unit)
     at = f"at {value:.3g} {unit}, amid the recorded amplitudes"
     words = dict(zip(AMID, (f"natural frequency {at}", f"damping over critical {at}"), strict=True))
-    words |= {name: text for name, _, text in QUANTITIES} | {_RATIO: _RATIO_WORDS}
+    words |= {name: text for name, _, text in QUANTITIES} | {DAMPING_RATIO: _RATIO_WORDS}
     known = oscillator.descriptions()
     words |= {product.name: words_of_product(known[key]) for key, product in products(oscillator).items() if "." in key}
     return words | {"total_mass": "moving mass", "natural_frequency": "undamped natural frequency of the linear part"}

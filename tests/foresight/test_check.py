@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.foresight.check import brief, check
+from dashpot.foresight.check import _of_machine, brief, check, describe
 from dashpot.identify import identify
 from dashpot.model import Oscillator
 
@@ -74,6 +76,24 @@ def test_what_is_not_told_says_what_would_tell_it(quiet):
     assert "total_mass" not in repr(found)
 
 
+def test_what_is_not_told_of_a_parameter_is_not_told_of_the_machine_either(quiet):
+    """With a known mass each of these is a parameter times a number."""
+    found = check([quiet], fixed={"mass": 0.27})
+    for name, of in (("cubic_stiffness", "cubic"), ("preload_force", "preload"), ("damping", "viscous")):
+        assert (found[name].state, found[name].words) == (found[of].state, "")
+    # likelier absent, though two errors and more from zero
+    lost = replace(found["dry"], state="not told"), *(t for t in found.parameters if t.name != "dry")
+    (friction,) = [told for told in _of_machine(found.model, lost, True) if told.name == "friction"]
+    assert friction.state == "not told"
+
+
+def test_percents_and_lists_are_as_everywhere_else(quiet):
+    found = replace(check([quiet]), left_out=("cubic", "preload", "dry"))
+    said = describe(found)
+    assert "a fit will leave cubic, preload and dry at zero" in said
+    assert not re.search(r"e\+0\d %|one in [\d.]+e", said)
+
+
 def test_a_mass_that_is_given_has_no_error(quiet):
     found = check([quiet], fixed={"mass": 0.27})
     assert found["mass"].state == "given"
@@ -83,12 +103,13 @@ def test_a_mass_that_is_given_has_no_error(quiet):
 
 def test_physics_that_eq_17_lacks_makes_the_errors_rough(recorded, sweep):
     bent = recorded(sweep=(0.6, 8.0, 18.0), seconds=8.0, fs=600.0, noise=2e-6, name="bent")
-    from dataclasses import replace
-
     clipped = replace(bent, response=bent.response + 40.0 * bent.response**2)
     found = check([clipped])
     assert not found.follows
     assert any("times the noise" in note for note in found.notes)
+    assert {told.state for told in (*found.parameters, *found.machine)} <= {"rough", "not told"}
+    assert found["omega0"].state == found["stiffness"].state == "rough"
+    assert "e+0" not in " ".join(found.notes)
 
 
 def test_before_a_fit_it_is_a_line(sweep, quiet):
