@@ -25,6 +25,12 @@ _OF_COMMANDS = {
     "time_limit": "limit",
     "law": "dashpot.load_laws(path)",
     "report": "model.save('report.html')",
+    "page": "save('page.html') of what is returned",
+    "figures": "figures(folder) of what is returned",
+    "write_law": "write_law(file) of what is returned",
+    "max_left": "nrmse and over_noise of each recording in model.as_json()['identified']['recordings'], to compare",
+    "verbose": "logging.basicConfig(level='INFO')",
+    "quiet": "progress, which says nothing where it is left out",
     "output": "model.save(path)",
     "json": "as_json() of what is returned",
 }
