@@ -82,7 +82,7 @@ def look_page(shown: Sequence[Shown], *, python: bool = False) -> Page:
         sections.append(Section(plain_text(one.record), tuple(blocks), folded=i > 1 and one.recording is not None))
     names = list(dict.fromkeys(one.record for one in shown))
     more = f" and {len(names) - 1} more" if len(names) > 1 else ""
-    footer = "Made by dashpot look; nothing was fitted."
+    footer = "Nothing was fitted."
     return Page(f"Look at {names[0] if names else 'nothing'}{more}", sections, lead=lead, footer=footer, numbered=False)
 
 

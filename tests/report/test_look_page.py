@@ -71,6 +71,12 @@ def test_each_mode_can_be_chosen_by_its_frequency(two, seen):
     assert page.html.count('"choice":') == 2
 
 
+def test_who_made_it_is_said_once(two, seen):
+    page = look_page([Shown("two.csv", "two.csv", seen, two)])
+    assert page.html.count("Made by") == 1
+    assert "Nothing was fitted. Made by dashpot" in page.html
+
+
 def test_what_is_pasted_is_a_command_or_a_call_with_how_it_was_read(two, seen):
     how = {"unit": "mm", "relative": False, "calibration": {"time": "1 s"}, "channels": ("T",)}
     shown = Shown("my two.csv", "two.csv", seen, two, (4.0, float("inf")), how)
