@@ -11,7 +11,7 @@ from ..errors import BadInput
 from ..files.writing import check_ours, together, writable, write
 
 if TYPE_CHECKING:
-    from ..diagnose.result import Diagnosis
+    from ..diagnose.result import Diagnosis, Effect
     from ..examples.broken import Record
     from ..model.law import Law
 
@@ -71,9 +71,8 @@ def run(folder: Path, law: str, say: Callable[[str], None]) -> bool:
     write_diagnosis(folder / _DIAGNOSIS, diagnosis, fmu)
     step(diagnosis.sentence)
     for effect in diagnosis.effects:
-        for name, value in effect.parameters.items():
-            error = "" if value.std is None else f" ± {value.std:.2g}"
-            say(f"          {effect.law}.{name.rpartition('.')[2]}  {value.value:.6g}{error} {value.unit}")
+        for line in _sizes_found(diagnosis, effect):
+            say(f"          {line}")
     named, sentence = _judged(chosen, diagnosis)
     step(sentence)
     return named
@@ -157,6 +156,19 @@ def _as_csv(record: Record) -> bytes:
 
 def _words(sizes: Mapping[str, float]) -> str:
     return ", ".join(f"{name} {value:.4g}" for name, value in sizes.items())
+
+
+def _sizes_found(diagnosis: Diagnosis, effect: Effect) -> list[str]:
+    """Each parameter of a law as the machine has it, and per unit mass, as what was hidden is stated."""
+    from ..model.display import quantity_text
+    from ..report.effects import size_text
+
+    machine = diagnosis.of_machine(effect)
+    lines = []
+    for name, value in effect.parameters.items():
+        besides = f" ({quantity_text(value)} per unit mass)" if name in machine else ""
+        lines.append(f"{effect.law}.{name}  {size_text(diagnosis, effect, name)}{besides}")
+    return lines
 
 
 def _judged(law: Law, diagnosis: Diagnosis) -> tuple[bool, str]:

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 from dashpot.commands.cli import cli
+from dashpot.diagnose.result import Diagnosis, Effect
 from dashpot.errors import BadInput
 from dashpot.examples.broken import HELD_OUT, TRAINING, sizes
+from dashpot.examples.truth import TRUTH
 from dashpot.face import demo_broken
+from dashpot.model import oscillator_with
 from dashpot.model.library import find
 
 
@@ -40,6 +45,18 @@ def test_a_law_that_the_independent_integrator_lacks_is_simulated_by_the_engine(
     assert all(np.isfinite(record.shown).all() and np.std(record.shown) > 1e-4 for record in made)
 
 
+def test_what_is_found_is_as_the_machine_has_it_and_per_unit_mass_as_it_was_hidden():
+    law = "one-sided-stop"
+    values = {f"{law}.stiffness": 9e4, f"{law}.position": 1.2e-3, f"{law}.damping": 0.0}
+    model = oscillator_with({**TRUTH, **values}, [law])
+    parameters = {name.partition(".")[2]: p for name, p in model.parameters().items() if name in values}
+    effect = Effect(law, law, "stiffness", parameters)
+    diagnosis = SimpleNamespace(model=model, of_machine=lambda effect: Diagnosis.of_machine(diagnosis, effect))
+    lines = demo_broken._sizes_found(diagnosis, effect)
+    assert lines[0].startswith(f"{law}.stiffness  24300 N/m (90000 1/s² per unit mass)")
+    assert lines[1] == f"{law}.position  1.2 mm"
+
+
 def test_the_command_breaks_and_names(tmp_path):
     """Drag is named alone, with its size, and what is said can be typed again."""
     folder = tmp_path / "broken"
@@ -47,6 +64,7 @@ def test_the_command_breaks_and_names(tmp_path):
     assert ended.exit_code == 0, ended.output
     assert "shares no code with dashpot: drag 5.938" in ended.output
     assert "quadratic-drag was hidden, and is named" in ended.output
+    assert re.search(r"coefficient  \S+ ± \S+ N·s²/m² \(\S+ ± \S+ 1/m per unit mass\)", ended.output)
     content = json.loads((folder / "diagnosis" / "diagnosis.json").read_text("utf-8"))
     (effect,) = content["effects"]
     coefficient = effect["parameters"]["coefficient"]
