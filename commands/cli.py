@@ -37,8 +37,8 @@ from .options import (
 )
 from .setup_commands import COMMANDS as SETUP_COMMANDS
 from .several_values import CommandOfSeveral, SeveralValues
-from .terminal import facts_shown, outputs_checked, print_json, progress_shown, quiet, say, with_quiet
-from .waiting import waiting_shown
+from .terminal import drawing, facts_shown, outputs_checked, print_json, progress_shown, quiet, say, stage, with_quiet
+from .waiting import doing, waiting_shown
 
 if TYPE_CHECKING:
     from ..model.fit_state import MostLeft
@@ -78,7 +78,7 @@ def demo(output: Path, broken_by: str | None) -> None:
     if broken_by is not None:
         from ..face import demo_broken
 
-        named = demo_broken.run(output, broken_by, click.echo)
+        named = demo_broken.run(output, broken_by, click.echo, doing)
         say(demo_broken.next_lines(output))
         if not named:
             sys.exit(1)
@@ -92,7 +92,7 @@ def demo(output: Path, broken_by: str | None) -> None:
         if not quiet():
             click.echo(line)
 
-    passed = run(output, tell)
+    passed = run(output, tell, doing)
     if quiet():  # the last line is the result
         click.echo(shown[0])
     else:
@@ -110,7 +110,7 @@ def paper(output: Path) -> None:
     """The figures of the paper, 1 and 3 to 7, remade from the built-in rig."""
     from ..face.paper import run
 
-    run(output, say)
+    run(output, stage)
 
 
 @cli.command()
@@ -137,6 +137,7 @@ def look(files: tuple[Path, ...], page: Path | None, as_json: bool, **options: A
             refused.append(str(problem))
     entries = [one.entry for one in seen]
     if page is not None and any(one.read for one in seen):
+        drawing()
         Look(seen).save(page)
         say(f"written: {page}")
     if as_json:
@@ -171,7 +172,7 @@ def hilbert(
     from ..face.hilbert import FILES, run
 
     outputs_checked([output / name for name in FILES], recordings)
-    result, words = run(read_all(recordings, options, say), mode, output, say, figures)
+    result, words = run(read_all(recordings, options, say), mode, output, say, figures, doing)
     if as_json:
         print_json(result)
     else:
@@ -302,10 +303,11 @@ def identify(
         faults=faults,
         every=every,
         notes=say,
-        progress=say,
+        progress=stage,
     )
     for note in identification.notes:
         say(f"note: {note}")
+    drawing()
     drawn = write_identification(identification, output, report, figures, recordings)
     if as_json:
         print_json(model_json(identification.oscillator))
@@ -402,6 +404,7 @@ def diagnose(
     with progress_shown() as progress:
         how = {"mode": mode, "notes": say, "progress": progress, "seconds": allowed}
         diagnosis, fmu = diagnosed(oscillator, training, held, **how)
+    drawing()
     written = write_diagnosis(output, diagnosis, fmu, figures)
     if as_json:
         print_json(diagnosis.as_json())
@@ -446,6 +449,7 @@ def verify(
     outputs_checked(outputs, [fmu, *recordings])
 
     def keep(result: Verification) -> None:
+        drawing()
         drawn = write_verification(result, None if printed else json_file, report, figures)
         if outputs:
             say(f"written: {', '.join(str(path) for path in (*outputs, *drawn))}")
@@ -454,7 +458,7 @@ def verify(
         else:
             click.echo(result.sentence())
 
-    result = verified(fmu, read_all(recordings, options, say), limit=time_limit, progress=say, keep=keep)
+    result = verified(fmu, read_all(recordings, options, say), limit=time_limit, progress=stage, keep=keep)
     if not result.passed:
         sys.exit(1)
 

@@ -11,7 +11,7 @@ import click
 
 from ..errors import BadInput
 from ..face.workflow import read_all
-from .terminal import outputs_checked, print_json, progress_shown, say
+from .terminal import drawing, outputs_checked, print_json, progress_shown, say, stage
 
 
 def identify(
@@ -53,6 +53,7 @@ def identify(
     for note in fit.notes:
         if note not in said:
             say(f"note: {note}")
+    drawing()
     drawn = write_element(fit, output, report, figures)
     if as_json:
         print_json(element_json(fit.element))
@@ -89,6 +90,7 @@ def diagnose(
     held = read_all(holdout, options | {"channels": parts[1]}, say)
     with progress_shown() as progress:
         told = diagnosed_element(training, held, name=name, progress=progress, seconds=seconds)
+    drawing()
     written = write_element_diagnosis(output, told.found, fmu_of(told.found.best.element), figures)
     if as_json:
         print_json(told.as_json)
@@ -148,5 +150,5 @@ def export(
             raise BadInput(f"{option} is of an oscillator, and {model} is a force law by itself; leave it out")
     outputs_checked([file for output in outputs for file in element_files(output)], [model])
     platforms = None if platform is None else parse_platforms(platform)
-    for path in exported_element(element, outputs, version=version, platforms=platforms, progress=say):
+    for path in exported_element(element, outputs, version=version, platforms=platforms, progress=stage):
         say(f"written: {path}")

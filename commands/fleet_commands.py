@@ -13,7 +13,7 @@ import click
 from ..errors import BadInput
 from .options import FILE, Above, with_laws
 from .several_values import CommandOfSeveral, SeveralValues
-from .terminal import outputs_checked, print_json, say
+from .terminal import drawing, outputs_checked, print_json, say, stage
 
 
 def _share(context: click.Context, parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -96,7 +96,7 @@ def batch(
     outputs_checked(tables, [manifest])
     engine = dask(MODULE, scheduler, say) if scheduler else local(MODULE, jobs or _cores())
     how = {"limit": time_limit, "memory": memory_limit, "again": again, "with_parquet": parquet}
-    rows = run(asked, output, engine, shard=shard, say=say, **how)
+    rows = run(asked, output, engine, shard=shard, say=stage, **how)
     if as_json:
         print_json(rows_json(rows))
     else:
@@ -172,6 +172,7 @@ def watch(
         from ..files.writing import write
         from ..report.life_page import life_page
 
+        drawing()
         write(report, life_page(lives).html)
     if as_json:
         print_json([life_json(life) for life in lives])

@@ -11,7 +11,7 @@ import click
 from ..face.workflow import read_all
 from ..files.writing import write
 from .options import FILE, Above, with_known_values, with_laws, with_mode, with_recordings
-from .terminal import outputs_checked, print_json, say
+from .terminal import outputs_checked, print_json, say, stage
 
 
 @click.command()
@@ -36,7 +36,12 @@ def check(
     from ..face.foresight import checked
 
     found = checked(
-        lambda: read_all(recordings, options, lambda _: None), fixed=fix, mass=mass, mode=mode, notes=say, progress=say
+        lambda: read_all(recordings, options, lambda _: None),
+        fixed=fix,
+        mass=mass,
+        mode=mode,
+        notes=say,
+        progress=stage,
     )
     _shown(found, as_json)
     if not found.follows:
@@ -130,7 +135,7 @@ def plan(
         noise=noise,
         force_noise=force_noise,
         fs=at,
-        progress=say,
+        progress=stage,
         **own,
     )
     if output is not None:
@@ -183,7 +188,7 @@ def prove_on(
         hide=hide,
         runs=runs,
         seed=seed,
-        progress=say,
+        progress=stage,
     )
     _shown(found, as_json)
     if not found.passed:

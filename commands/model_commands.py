@@ -12,7 +12,7 @@ from ..errors import BadInput
 from ..face.workflow import read_all
 from . import element_commands
 from .options import FILE, with_laws, with_recordings
-from .terminal import outputs_checked, print_json, say
+from .terminal import outputs_checked, print_json, say, stage
 
 
 @click.command()
@@ -146,7 +146,7 @@ def export(
     if not 0 < options["step"] < float("inf"):
         raise BadInput(f"--step {options['step']}: the sample time must be a positive number of seconds")
     outputs_checked([file for output in outputs for file in files(output, form)], [model])
-    how = {"platforms": platforms, "draws": draws, "form": form, "progress": say, **options}
+    how = {"platforms": platforms, "draws": draws, "form": form, "progress": stage, **options}
     for path in exported(oscillator, outputs, notes=say, **how):
         say(f"written: {path}")
 

@@ -44,7 +44,19 @@ def say(line: str, *, always: bool = False) -> None:
     if always or not quiet():
         with contextlib.suppress(OSError):  # what is done is done, also where nobody reads the message
             click.echo(printable(line), err=True)
+
+
+def stage(line: str) -> None:
+    """The same of what is worked at from now on, which a terminal shows while it lasts: no note, no result."""
+    say(line)
     doing(printable(line).partition("\n")[0])
+
+
+def drawing() -> None:
+    """Show on a terminal that the files of a result are made, which is no line of its own."""
+    from ..face.workflow import WRITING
+
+    doing(WRITING)
 
 
 def quiet() -> bool:

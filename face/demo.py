@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 from ..files.writing import check_ours, together, writable, write
+from .workflow import WRITING, Say, silent
 
 if TYPE_CHECKING:
     from ..model import Parameter
@@ -18,12 +19,13 @@ _TRAIN = ("bursts", "sweep_low", "sweep_high")
 _HELD_OUT = ("multisine",)
 
 
-def run(folder: Path, say: Callable[[str], None]) -> bool:
+def run(folder: Path, say: Say, stage: Say = silent) -> bool:
     """Make everything into ``folder``; returns whether the FMU reproduces all recordings, the held-out one included.
 
     Args:
         folder: where the files go; made where it does not exist.
         say: called with one line per step.
+        stage: called with what is worked at from now on.
 
     Raises:
         BadInput: where the folder cannot be written.
@@ -43,6 +45,7 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
 
     def step(text: str) -> None:
         say(f"[{time.perf_counter() - began:5.1f} s] {text}")
+        stage(text)
 
     model, fmu, functions, page = (folder / name for name in ("model.yaml", "rig.fmu", "rig.casadi", "report.html"))
     for place in (model, fmu, *export_files(functions), page):
@@ -64,6 +67,7 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
             write(fmu, artefact.read_bytes())
             written = [model, fmu, *export(identification.oscillator, functions, progress=step)]
             names = tuple(path.name for path in written)
+            stage(WRITING)
             write(page, identification_page(identification, proof, TRUTH, files=names).html)
     step(f"written: {', '.join(str(path) for path in (*written, page))}")
     step(proof.sentence())

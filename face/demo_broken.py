@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..files.writing import check_ours, together, writable, write
+from .workflow import Say, silent
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis, Effect
@@ -18,13 +19,14 @@ if TYPE_CHECKING:
 _NAME, _MODEL, _DIAGNOSIS = "broken-stand", "rig.yaml", "diagnosis"
 
 
-def run(folder: Path, law: str, say: Callable[[str], None]) -> bool:
+def run(folder: Path, law: str, say: Say, stage: Say = silent) -> bool:
     """Break the rig, record it, identify and diagnose it as a user would; returns whether the law is named.
 
     Args:
         folder: where recordings, model and diagnosis go; made where it does not exist.
         law: its name in the library, which Eq. 17 does not have already.
         say: called with one line per step.
+        stage: called with what is worked at from now on, more often than ``say``.
 
     Raises:
         BadInput: there is no such law, or the folder cannot be written or holds recordings of somebody else.
@@ -35,12 +37,13 @@ def run(folder: Path, law: str, say: Callable[[str], None]) -> bool:
     from ..model.effect_words import phrase_of
     from ..model.file import save
     from ..recording import read
-    from .workflow import diagnosed, identified, seconds_allowed, silent, write_diagnosis
+    from .workflow import WRITING, diagnosed, identified, seconds_allowed, write_diagnosis
 
     began = time.perf_counter()
 
     def step(text: str) -> None:
         say(f"[{time.perf_counter() - began:5.1f} s] {text}")
+        stage(text)
 
     chosen = breaking(law)
     paths = {name: folder / f"{name}.csv.gz" for name in (*TRAINING, *HELD_OUT)}
@@ -67,7 +70,9 @@ def run(folder: Path, law: str, say: Callable[[str], None]) -> bool:
     found = identified(lambda: train, name=_NAME, notes=silent, progress=step)
     save(found.oscillator, model)
     step("which physics does it lack?")
-    diagnosis, fmu = diagnosed(found.oscillator, train, held, seconds=seconds_allowed(None))
+    how = {"progress": lambda what, _part: stage(what), "seconds": seconds_allowed(None)}
+    diagnosis, fmu = diagnosed(found.oscillator, train, held, **how)
+    stage(WRITING)
     write_diagnosis(folder / _DIAGNOSIS, diagnosis, fmu)
     step(diagnosis.sentence)
     for effect in diagnosis.effects:

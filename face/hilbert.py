@@ -14,7 +14,7 @@ from ..errors import BadInput
 from ..files.writing import together, write
 from ..recording import Recording
 from .figures import FIGURES, figures_of, write_figures
-from .workflow import Say, analysed
+from .workflow import WRITING, Say, analysed, silent
 
 if TYPE_CHECKING:
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
@@ -114,7 +114,12 @@ class Hilbert:
 
 
 def run(
-    recordings: Sequence[Recording], mode: str | None, folder: Path, say: Say, figures: Sequence[str] = ()
+    recordings: Sequence[Recording],
+    mode: str | None,
+    folder: Path,
+    say: Say,
+    figures: Sequence[str] = (),
+    stage: Say = silent,
 ) -> tuple[dict[str, Any], str]:
     """Analyse recordings and write ``FILES`` into a folder; returns what stands in the JSON file, and a summary.
 
@@ -125,24 +130,27 @@ def run(
         folder: made where it does not exist.
         say: called with one line per remark.
         figures: kinds of files that each picture of the page is drawn as too.
+        stage: called with what is worked at from now on.
 
     Raises:
         BadInput: nothing can be evaluated, or a file cannot be written.
     """
     if mode is not None and mode.strip().lower() == ALL:
-        return _each_mode(recordings, folder, say, figures)
+        return _each_mode(recordings, folder, say, figures, stage)
     from ..identify.hilbert.hilbert_files import describe
 
+    stage("FREEVIB and FORCEVIB")
     analysis, given = analysed(recordings, mode)
     for note in analysis.notes:
         say(f"note: {note}")
+    stage(WRITING)
     result, written = write_files(analysis, given, folder, figures)
     say(f"written: {', '.join(map(str, written))}")
     return result, describe(analysis, given)
 
 
 def _each_mode(
-    recordings: Sequence[Recording], folder: Path, say: Say, figures: Sequence[str]
+    recordings: Sequence[Recording], folder: Path, say: Say, figures: Sequence[str], stage: Say
 ) -> tuple[dict[str, Any], str]:
     """As ``run``, mode by mode; what no mode that was evaluated holds of the motion is said as the share left out."""
     from ..identify.motion.mode_lines import modes_of
@@ -154,7 +162,7 @@ def _each_mode(
         entry: dict[str, Any] = {"mode": number, **mode.as_json()}
         title = f"Mode {number}, {mode}"
         try:
-            result, text = run(recordings, str(number), folder / f"mode-{number}", say, figures)
+            result, text = run(recordings, str(number), folder / f"mode-{number}", say, figures, stage)
         except BadInput as problem:
             entries.append(entry | {"problem": str(problem)})
             words.append(f"{title}: {problem}")

@@ -37,6 +37,9 @@ Say = Callable[[str], None]
 #: The environment variable that says how long a diagnosis may take where nobody else does, and what it then may, s.
 SECONDS, USUAL_SECONDS = "DASHPOT_SECONDS", 60.0
 
+#: What is worked at when a result is there and its files are not.
+WRITING = "drawing the page and writing the files"
+
 
 def silent(_: str) -> None:
     """Say nothing."""

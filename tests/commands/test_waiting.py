@@ -5,9 +5,17 @@ from __future__ import annotations
 import io
 import sys
 import threading
+from types import SimpleNamespace
 
-from dashpot.commands import waiting
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from dashpot.commands import cli, terminal, waiting
 from dashpot.commands.waiting import Waiting
+from dashpot.examples.truth import TRUTH
+from dashpot.face import workflow
+from dashpot.model import Oscillator
+from dashpot.model.file import save
 
 
 class Terminal(io.StringIO):
@@ -90,3 +98,60 @@ def test_nothing_is_told_where_there_is_no_terminal(monkeypatch):
         waiting.doing("something")
         assert waiting._now is None
     assert stream.getvalue() == ""
+
+
+def test_a_note_or_a_result_is_no_stage(monkeypatch):
+    terminal_of(monkeypatch)
+    with waiting.waiting_shown():
+        now = waiting._now
+        assert now is not None
+        terminal.stage("maximum likelihood")
+        terminal.say("note: decay.csv: the model leaves more than noise")
+        terminal.say("written: rig.yaml")
+        assert now.doing == "maximum likelihood"
+        terminal.drawing()
+        assert now.doing == workflow.WRITING
+
+
+@pytest.fixture
+def stages(monkeypatch):
+    """What a terminal would show, in order."""
+    seen: list[str] = []
+    for module in (cli, terminal):
+        monkeypatch.setattr(module, "doing", lambda what, _part=None: seen.append(what))
+    return seen
+
+
+@pytest.fixture
+def decay(tmp_path):
+    t = np.arange(1500) / 500.0
+    x = 4e-3 * np.exp(-1.0 * t) * np.cos(60.0 * t) + 1e-6 * np.random.default_rng(0).standard_normal(t.size)
+    rows = (f"{a:.3f},{b:.9g}" for a, b in zip(t, x, strict=True))
+    (tmp_path / "decay.csv").write_text("\n".join(["time_s,x_m", *rows]))
+    return tmp_path / "decay.csv"
+
+
+@pytest.mark.parametrize("command", ["identify", "hilbert", "look"])
+def test_files_are_written_under_a_stage_of_their_own(command, decay, stages, tmp_path):
+    to = {"identify": ["-o", "m.yaml", "--report", "m.html"], "hilbert": ["-o", "h"], "look": ["--page", "l.html"]}
+    ways = [word if word.startswith("-") else str(tmp_path / word) for word in to[command]]
+    ended = CliRunner().invoke(cli.cli, [command, str(decay), *ways])
+    assert ended.exit_code == 0, ended.output
+    assert stages[-1] == workflow.WRITING
+    assert not [stage for stage in stages if stage.startswith(("note", "written"))]
+    assert workflow.WRITING not in ended.output  # which is for a terminal alone
+
+
+def test_a_diagnosis_that_is_done_is_written(decay, stages, tmp_path, monkeypatch):
+    found = SimpleNamespace(verdict="consistent", as_json=dict)
+
+    def write_diagnosis(*_):
+        assert stages == [workflow.WRITING]
+        return []
+
+    monkeypatch.setattr(workflow, "diagnosed", lambda *_, **__: (found, None))
+    monkeypatch.setattr(workflow, "write_diagnosis", write_diagnosis)
+    save(Oscillator.from_values(TRUTH), tmp_path / "m.yaml")
+    given = ["diagnose", str(tmp_path / "m.yaml"), str(decay), "-o", str(tmp_path / "d"), "--json"]
+    ended = CliRunner().invoke(cli.cli, given)
+    assert ended.exit_code == 0, ended.output

@@ -15,6 +15,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.broken import HELD_OUT, TRAINING, sizes
 from dashpot.examples.truth import TRUTH
 from dashpot.face import demo_broken
+from dashpot.face.workflow import WRITING
 from dashpot.model import oscillator_with
 from dashpot.model.library import find
 
@@ -57,14 +58,19 @@ def test_what_is_found_is_as_the_machine_has_it_and_per_unit_mass_as_it_was_hidd
     assert lines[1] == f"{law}.position  1.2 mm"
 
 
-def test_the_command_breaks_and_names(tmp_path):
+def test_the_command_breaks_and_names(tmp_path, monkeypatch):
     """Drag is named alone, with its size, and what is said can be typed again."""
     folder = tmp_path / "broken"
+    stages: list[str] = []
+    monkeypatch.setattr("dashpot.commands.cli.doing", stages.append)
     ended = CliRunner().invoke(cli, ["demo", "--break", "quadratic-drag", "-o", str(folder)])
     assert ended.exit_code == 0, ended.output
     assert "shares no code with dashpot: drag 5.938" in ended.output
     assert "quadratic-drag was hidden, and is named" in ended.output
     assert re.search(r"coefficient  \S+ ± \S+ N·s²/m² \(\S+ ± \S+ 1/m per unit mass\)", ended.output)
+    assert "maximum likelihood, from prediction to simulation" in stages
+    search = stages[stages.index("which physics does it lack?") + 1 : stages.index(WRITING)]
+    assert len(search) > 5
     content = json.loads((folder / "diagnosis" / "diagnosis.json").read_text("utf-8"))
     (effect,) = content["effects"]
     coefficient = effect["parameters"]["coefficient"]
