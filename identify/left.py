@@ -23,8 +23,8 @@ def left_of_parts(parts: Sequence[SegmentFit]) -> Left:
     """What the model leaves of stretches, all together, simulated freely; to the four digits of the model file."""
     left = [part.left for part in parts]
     measured = [np.asarray(part.segment.response, float) for part in parts]
-    figures = share_of_motion(left, measured), times_the_noise(left, [part.noise for part in parts])
-    return Left("", *(float(f"{value:.4g}") for value in figures))
+    share, times = share_of_motion(left, measured), times_the_noise(left, [part.noise for part in parts])
+    return Left("", float(f"{share:.4g}"), float(f"{times:.4g}"))
 
 
 def stretch_words(part: SegmentFit, fit: Fit, recordings: Sequence[Recording]) -> str:
