@@ -133,7 +133,7 @@ def decay(tmp_path):
 
 @pytest.mark.parametrize("command", ["identify", "hilbert", "look"])
 def test_files_are_written_under_a_stage_of_their_own(command, decay, stages, tmp_path):
-    to = {"identify": ["-o", "m.yaml", "--report", "m.html"], "hilbert": ["-o", "h"], "look": ["--page", "l.html"]}
+    to = {"identify": ["-o", "m.yaml"], "hilbert": ["-o", "h"], "look": ["--page", "l.html"]}
     ways = [word if word.startswith("-") else str(tmp_path / word) for word in to[command]]
     ended = CliRunner().invoke(cli.cli, [command, str(decay), *ways])
     assert ended.exit_code == 0, ended.output
