@@ -21,6 +21,7 @@ from ..identify.problem.data import Data
 from ..identify.signals.registry import budget, numerics, shown
 from ..model import Oscillator
 from ..model.display import scale_of
+from ..model.fit_state import percent_words, times_words
 from ..model.law import Scales
 from .excitation import STEPS, Excitation
 from .rehearsal import Played, rehearse
@@ -428,7 +429,7 @@ def describe(plan: Plan) -> str:
     lines = [_sentence(plan), f"It moves up to {scale.factor * plan.peak:.3g} {scale.unit}."]
     truth = quantities(model)
     for want, error in zip(plan.wants, plan.expected, strict=True):
-        share = f" ({100 * error / abs(truth[want.name].value):.2g} %)" if truth[want.name].value else ""
+        share = f" ({percent_words(100 * error / abs(truth[want.name].value))} %)" if truth[want.name].value else ""
         enough = "" if error <= want.error else ": not what is wanted"
         lines.append(f"Expected of {want.name}: ± {error:.2g} {want.unit}{share}, wanted ± {want.error:.2g}{enough}")
     if not plan.tells:
@@ -445,7 +446,8 @@ def describe(plan: Plan) -> str:
     for other, ratio in plan.others:
         said = other.sentence(unit, model.force_unit)
         lines.append(
-            f"Instead: {said}; " + ("tells it too" if ratio <= 1.0 else f"comes to {ratio:.2g} times the error wanted")
+            f"Instead: {said}; "
+            + ("tells it too" if ratio <= 1.0 else f"comes to {times_words(ratio)} times the error wanted")
         )
     return "\n".join(lines)
 

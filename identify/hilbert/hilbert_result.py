@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...errors import BadInput
-from ...model.fit_state import LACKING
+from ...model.fit_state import LACKING, times_words
 from ...recording.given import recordings_of
 from ...simulate.threads import pool
 from ..motion.decays import find_free_motion
@@ -222,7 +222,7 @@ def _why_not(curve: ModalCurve, misfit: float) -> str:
     slow = float(np.median(curve.damping)) ** 2 / np.pi
     left = float(np.sqrt(misfit))
     errors = "no errors of its parameters are stated" if left > LACKING else "the errors of its parameters are wider"
-    how = f"Eqs. 1, 6 and 7 leave {left:.2g} times its noise, so that {errors}; "
+    how = f"Eqs. 1, 6 and 7 leave {times_words(left)} times its noise, so that {errors}; "
     if slow > 0 and rate > slow:
         return (
             f"{how}it is swept at {rate:.2g} Hz/s, so that the rig rings beside its drive: sweep no faster than "

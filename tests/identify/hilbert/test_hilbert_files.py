@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.identify.hilbert.hilbert_files import describe, shown_value, so_many
-from dashpot.identify.hilbert.hilbert_result import hilbert_analysis
+from dashpot.identify.hilbert.hilbert_result import _why_not, hilbert_analysis
 from dashpot.model.parameter import Parameter
 from dashpot.model.show import value_and_error
 from dashpot.recording import Recording
@@ -79,3 +79,8 @@ def test_a_length_and_its_error_change_their_unit_together():
 
 def test_one_is_no_plural():
     assert (so_many(1, "free decay"), so_many(2, "driven stretch")) == ("1 free decay", "2 driven stretches")
+
+
+def test_hundreds_of_times_have_no_power_of_ten(decay):
+    analysis, _ = decay
+    assert " leave 180 times its noise" in _why_not(analysis.curves[0], 182.0**2)
