@@ -372,7 +372,9 @@ def prove_on(
 
     Args:
         model: the rig.
-        noise, force_noise, like: of the sensors, as ``dashpot.plan`` takes them.
+        noise: of the sensor, as ``dashpot.plan`` takes it.
+        force_noise: the same of the recorded force.
+        like: recordings with the same sensors, as ``dashpot.plan`` takes them.
         most_amplitude: how far it is moved; None: as far as it was identified.
         hide: a law of the model that the identification is not told of, for the diagnosis to name.
         runs: how often; None: 20, and with ``hide``, of which each takes a minute, 3.
