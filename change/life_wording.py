@@ -78,7 +78,9 @@ def describe(life: Life) -> str:
     """What ``dashpot watch`` prints of a rig."""
     names = life.estimates.names
     moved = () if life.moved is None else life.moved.best.moved
-    head = ["", "when", *(f"{name}{' *' if name in moved else ''}" for name in names)]
+    units = ["" if unit == "1" else f" [{unit}]" for unit in life.estimates.units]
+    told = zip(names, units, strict=True)
+    head = ["", "when", *(f"{name}{unit}{' *' if name in moved else ''}" for name, unit in told)]
     rows = [head]
     for point in life.points:
         parameters = point.model.parameters()

@@ -60,7 +60,7 @@ def test_marked_repeats_tell_scatter_from_change(drawn):
     ]
     told = as_json(found)
     assert json.loads(json.dumps(told, allow_nan=False))["changes"][0]["at"] == "worn"
-    assert "viscous *" in describe(found)
+    assert "viscous [1/s] *" in describe(found)
 
 
 def test_a_drift_is_told_as_one(drawn):
