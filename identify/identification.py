@@ -247,7 +247,9 @@ def identify(
     if found_to_differ is not None:
         progress("what differs between the recordings")
         each, mean = found_to_differ
-        if odds(again := answer(each, mean, doubted=doubted), first) > DECISIVE:
+        likelier = odds(again := answer(each, mean, doubted=doubted), first)
+        _log.info("recordings that differ: log-odds %.3g", likelier)
+        if likelier > DECISIVE:
             first, recordings = again, each
     found_modes = Modes(first)
     if start is None and not effects:

@@ -8,6 +8,7 @@ et al. 1999, equation 3). Absence has to be decisive: what is left out by mistak
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -22,6 +23,8 @@ from ..problem.structure import typical_sizes
 from ..signals.odds import DECISIVE
 from .likeliest_modes import MEMBERS
 from .reported_result import Fit
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +111,9 @@ def plainest(fit: Fit, again: Callable[[Oscillator, Sequence[str]], Fit]) -> Fit
     """
     absent = _absent_from(fit)
     if absent is None:
+        _log.info("every member stays: none is decisively absent")
         return fit
+    _log.info("without %s: log-odds %.3g that none of it is there", ", ".join(absent.names), absent.log_odds)
     without = _without(fit, absent, again)
     lost = _left(fit) > LACKING
     if without is None or _left(without) > max(_left(fit), LACKING):
@@ -122,6 +127,7 @@ def plainest(fit: Fit, again: Callable[[Oscillator, Sequence[str]], Fit]) -> Fit
         without = _without(fit, absent, again)
         if without is None:
             return fit
+    _log.info("dropped: %s", ", ".join(absent.names))
     covariance = at_least(_given(fit, absent.names), without.covariance) + absent.spread
     errors = dict(zip(without.names, np.sqrt(np.diag(covariance)), strict=True))
     known = without.oscillator.parameters()

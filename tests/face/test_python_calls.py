@@ -6,6 +6,7 @@ import logging
 import multiprocessing
 import pickle
 import pydoc
+import re
 import subprocess
 import sys
 from functools import partial
@@ -190,3 +191,5 @@ def test_what_is_tried_goes_to_the_logger(caplog):
         dashpot.identify(decays()[0])
     assert caplog.records
     assert all(record.name.startswith("dashpot.") for record in caplog.records)
+    said = [record.getMessage() for record in caplog.records]
+    assert any(re.match(r"without .*: log-odds|every member stays", line) for line in said)
