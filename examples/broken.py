@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from .concealed.base import Base
-from .concealed.effects import EFFECTS, EVERYTHING, PARTS_OF_FORCE
+from .concealed.effects import EVERYTHING, PARTS_OF_FORCE, SINGLE
 from .concealed.engine import Drive, simulate
 from .concealed.make import write_recording
 from .truth import TRUTH
@@ -66,7 +66,7 @@ class _Middle:
 
 def can_break(law: str) -> bool:
     """Whether the integrator of the concealed rigs has the law."""
-    return law.partition("/")[0] in EFFECTS
+    return law.partition("/")[0] in SINGLE
 
 
 def sizes(law: str, strength: float = 1.0) -> dict[str, float]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.examples.broken import FS, HELD_OUT, SENSOR_NOISE, TRAINING, can_break, make, records, sizes
-from dashpot.examples.concealed.effects import EFFECTS
+from dashpot.examples.concealed.effects import SINGLE
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.model.laws import LIBRARY
@@ -52,6 +52,6 @@ def test_the_same_law_gives_the_same_recordings(tmp_path):
 
 
 def test_each_effect_is_the_middle_of_its_range():
-    for name in EFFECTS:
+    for name in SINGLE:
         assert sizes(name) == sizes(name)
         assert all(np.isfinite(value) for value in sizes(name).values())
