@@ -59,7 +59,7 @@ def test_dampers_stand_beside_each_other_with_what_they_lack(tmp_path: Path, cap
     assert (kept / "report.html").exists()
     capsys.readouterr()
     assert ended("watch", out) == 1
-    assert "quadratic-drag appeared" in capsys.readouterr().out
+    assert "quadratic-drag appears at drag" in capsys.readouterr().out
 
 
 def test_options_of_an_oscillator_are_refused_in_the_manifest(tmp_path: Path) -> None:
