@@ -472,13 +472,12 @@ def _like_none(fit: Fit) -> list[str]:
     ]
     if not names:
         return []
-    *others, last = names
-    both = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+    both = f"{', '.join(names[:-1])} and {names[-1]} are" if names[1:] else f"{names[0]} is"
     said = f"{both} not distinguishable from zero in these recordings"
     if max(part.over_noise for part in fit.segments) > LACKING:
         fixed = " ".join(f"--fix {name}=0" for name in names)
-        stay = "they stay" if others else "it stays"
-        said += f"; {stay} in the model, for what that leaves may have bent {'them' if others else 'it'} ({fixed})"
+        stay = "they stay" if names[1:] else "it stays"
+        said += f"; {stay} in the model, for what that leaves may have bent {'them' if names[1:] else 'it'} ({fixed})"
     return [said]
 
 
