@@ -22,7 +22,7 @@ from ..model.left import share_of_motion
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from ..simulate.imposed import force_along
-from ..verify.chance import by_chance, root_of
+from ..verify.chance import by_chance, root_of, usual
 from ..verify.fmu_run import FmuRun
 from ..verify.model_inside import SAME, covariance_of
 from ..verify.verification import DRAWS, DRAWS_OF_FMU, RecordingCheck, Verification, of_size
@@ -56,7 +56,7 @@ def check_of_force(run: FmuRun, recording: Recording, noise_ratio: float) -> Rec
     drawn = noise if one.exact else one.powers(count, own=True)
     nrmse, floor = (
         share_of_motion([(one.force - motion.force)[told]], [motion.force[told]]),
-        float(np.sqrt(np.mean(noise))) / spread,
+        usual(noise) / spread,
     )
     limit = noise_ratio * float(np.sqrt(by_chance(drawn))) / spread
     failed = of_size(nrmse, floor, limit)

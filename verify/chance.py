@@ -65,6 +65,14 @@ def powers(runs: Sequence[Run], count: int, *, own: bool) -> np.ndarray:
     return left[np.isfinite(left)]
 
 
+def usual(drawn: np.ndarray) -> float:
+    """Rms that chance leaves mostly, from mean squares (draws,).
+
+    The middle and not the mean: a draw may end in another motion, as where friction pushes.
+    """
+    return float(np.sqrt(np.median(drawn)))
+
+
 def by_chance(drawn: np.ndarray) -> float:
     """Mean square that chance exceeds once in a thousand, from those (draws,) of some draws.
 

@@ -32,7 +32,7 @@ from ..recording.prescribed import refuse_free, refuse_prescribed
 from ..recording.recording import Recording
 from ..recording.units import find_unit
 from .backbones import Backbone, Compared, compared
-from .chance import Run, by_chance, powers
+from .chance import Run, by_chance, powers, usual
 from .fmu_process import TIME_LIMIT
 from .fmu_run import FmuRun, FmuStopped
 from .model_inside import Twin, twin_of
@@ -223,7 +223,7 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     noise = powers(runs, count, own=False)
     drawn = noise if all(one.twin.exact for one in runs) else powers(runs, count, own=True)
     nrmse = share_of_motion([simulated - measured], [measured])
-    floor = float(np.sqrt(np.median(noise))) / spread  # a draw may end in another motion: where friction pushes, say
+    floor = usual(noise) / spread
     limit = noise_ratio * float(np.sqrt(by_chance(drawn))) / spread
     backbones = [pair for place, one in enumerate(runs) for pair in compared(one, place)]
     failed = of_size(nrmse, floor, limit) + _of_backbones(backbones, recording)

@@ -8,7 +8,7 @@ from dashpot.identify.motion.decays import Decay
 from dashpot.identify.problem.replay import Replay
 from dashpot.identify.signals.odds import BY_CHANCE
 from dashpot.recording import Recording
-from dashpot.verify.chance import Run, by_chance, powers
+from dashpot.verify.chance import Run, by_chance, powers, usual
 from dashpot.verify.model_inside import Twin
 from dashpot.verify.noise_floor import Piece
 from scipy.stats import chi2
@@ -65,3 +65,10 @@ def test_chance_exceeds_its_limit_once_in_a_thousand(freedom):
     drawn = 7.0 * random.chisquare(freedom, 20_000) / freedom
     assert by_chance(drawn) == pytest.approx(7.0 * chi2.isf(BY_CHANCE, freedom) / freedom, rel=0.05)
     assert by_chance(np.full(10, 7.0)) == 7.0
+
+
+def test_a_draw_that_ends_in_another_motion_does_not_make_the_floor():
+    drawn = 1e-6 * np.random.default_rng(3).chisquare(400, 21) / 400
+    assert usual(drawn) == pytest.approx(1e-3, rel=0.03)
+    drawn[4] = 1.0
+    assert usual(drawn) == pytest.approx(1e-3, rel=0.03)
