@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from ..files.spoken import spoken
 from ..model.parameter import Parameter
 from ..model.show import value_and_error
 from .life import Life
 from .quantities import Change, Quantity
-from .wording import percent_change, spoken, verdict
+from .wording import percent_change, verdict
 
 _MOST = 8  # steps that are listed one by one
 

@@ -6,16 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from ..files.spoken import spoken
 from ..model.parameter import Parameter
 from ..model.show import value_and_error
 from .comparison import Comparison
 from .moved import Hypothesis, Moved
 from .quantities import Change, Quantity
-
-
-def spoken(words: Sequence[str], last: str = "and") -> str:
-    """``a, b and c``."""
-    return " ".join([", ".join(words[:-1]), last, words[-1]]) if len(words) > 1 else "".join(words)
 
 
 def percent_change(first: float, second: float) -> str:

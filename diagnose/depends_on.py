@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ..files.spoken import spoken
 from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import shown
 from .limits import MATTERS, PLAINER
-from .wording import spoken
 
 _MOST = shown(4, "kinds", why="of those that add something, and of those that do not: as many as a sentence carries")
 #: Each kind of coordinate as a sentence says it, those that a person asks for first at the top.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
+from ..files.spoken import spoken
 from ..identify.signals.odds import ABOVE_NOISE
 from ..identify.signals.registry import shown
 from ..model.effect_words import effect_in_words
@@ -12,7 +13,7 @@ from ..model.fit_state import percent_words
 from .limits import MATTERS
 from .result import Effect, RecordFit, Verdict
 from .search.residual_test import FAR_ABOVE_NOISE, Leftover
-from .wording import effects_in_words, figure, spoken
+from .wording import effects_in_words, figure
 
 _IN_WORDS = shown(5, "effects and rivals", why="more cannot be put into words in one sentence")
 

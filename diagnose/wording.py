@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..files.spoken import spoken
 from ..identify.signals.registry import shown
 from ..model.effect_words import effect_in_words
 
@@ -26,12 +27,6 @@ def quantity(value: float, unit: str) -> str:
             if abs(value) >= size / 2:
                 return f"{figure(value / size)} {prefix}{unit}"
     return f"{figure(value)} {unit}"
-
-
-def spoken(names: Sequence[str], last: str = "and") -> str:
-    """``a, b and c``; ``last`` is the word before the last."""
-    names = list(names)
-    return f" {last} ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def effects_in_words(names: Sequence[str], last: str = "and") -> str:

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 
 from ..errors import ToolchainMissing
+from ..files.spoken import spoken
 from ..simulate import zig
 from ..simulate.compiler import NO_COMPILER, Compiler, build, machine_compiler, zig_compiler
 from ..simulate.zig import MORE
@@ -85,17 +86,13 @@ def inside(platforms: Sequence[Platform]) -> str:
     everywhere = zig.zig_version() is not None
     runs = [f"{p.words} ({p.needs} or newer)" if everywhere and p.needs else p.words for p in platforms]
     built = "" if everywhere else ", on systems at least as new as that which it was built on"
-    return f"The FMU runs on {_listed(runs)}{built}; for others its C sources are inside."
+    return f"The FMU runs on {spoken(runs)}{built}; for others its C sources are inside."
 
 
 def remark(platforms: Sequence[Platform]) -> str:
     """What the binaries of an FMU run on, as one line for whoever exports it, with how to have the others."""
-    line = f"the FMU runs on {_listed([p.words for p in platforms])}"
+    line = f"the FMU runs on {spoken([p.words for p in platforms])}"
     return line if zig.zig_version() is not None else f"{line}; for all desktops: {MORE}"
-
-
-def _listed(words: Sequence[str]) -> str:
-    return " and ".join([", ".join(words[:-1])] * (len(words) > 1) + [*words[-1:]])
 
 
 def _compiler(platform: Platform) -> Compiler | None:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput, printable
+from ..files.spoken import spoken
 from ..identify.fit.likeliest_modes import MEMBERS
 from ..identify.fit.plainest import Absent, at_least, given_none, likely_absent
 from ..identify.identification import belong_together, plain_models, with_fixed
@@ -259,15 +260,11 @@ def describe(found: Check) -> str:
         lines += ["", "As the machine has it", *columns_text([_cells(told) for told in found.machine])]
     said = [told.words for told in found.parameters if told.words]
     if found.left_out:
-        said.append(f"a fit will leave {_listed(found.left_out)} at zero (identify --all keeps what it finds)")
+        said.append(f"a fit will leave {spoken(found.left_out)} at zero (identify --all keeps what it finds)")
     said += found.notes
     if said:
         lines += ["", "Take note", *(f"  - {sentence}" for sentence in said)]
     return printable("\n".join(lines))
-
-
-def _listed(names: Sequence[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _cells(told: Told) -> tuple[str, ...]:

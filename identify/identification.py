@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..files.computed_once import computed_once
+from ..files.spoken import spoken
 from ..model import Oscillator, Response
 from ..model.fit_state import LACKING, left_over
 from ..model.limits import checked_value
@@ -472,8 +473,7 @@ def _like_none(fit: Fit) -> list[str]:
     ]
     if not names:
         return []
-    both = f"{', '.join(names[:-1])} and {names[-1]} are" if names[1:] else f"{names[0]} is"
-    said = f"{both} not distinguishable from zero in these recordings"
+    said = f"{spoken(names)} {'are' if names[1:] else 'is'} not distinguishable from zero in these recordings"
     if max(part.over_noise for part in fit.segments) > LACKING:
         fixed = " ".join(f"--fix {name}=0" for name in names)
         stay = "they stay" if names[1:] else "it stays"

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
+from ..files.spoken import spoken
 from ..identify.fit.limits import CYCLES
 from ..identify.provenance import stamp, unit_of_file
 from ..identify.signals.odds import ABOVE_NOISE, SIGNIFICANT
@@ -291,9 +292,8 @@ def _notes(fitted: Fitted, element: Element, recordings: Sequence[Recording]) ->
     notes = [note for recording in recordings for note in recording.notes]
     absent = [name for name in element.members if name not in (*fitted.shape.members, "load")]
     if absent:
-        *others, last = absent
-        both = f"{', '.join(others)} and {last} are" if others else f"{last} is"
-        notes.append(f"{both} left at zero: the recordings do not tell {'them' if others else 'it'} from none (--all)")
+        are, them = ("are", "them") if absent[1:] else ("is", "it")
+        notes.append(f"{spoken(absent)} {are} left at zero: the recordings do not tell {them} from none (--all)")
     if element.origin:
         notes.append(
             f"displacements are counted from the middle of the stroke, {element.origin:.6g} {element.unit} as recorded"

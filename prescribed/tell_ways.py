@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..diagnose.result import SURE
-from ..diagnose.wording import figure, quantity, spoken
+from ..diagnose.wording import figure, quantity
+from ..files.spoken import spoken
 from ..model.dependence import Dependence, strength_at
 from ..model.element import Element
 from ..model.show import finite

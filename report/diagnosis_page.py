@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..diagnose.wording import effects_in_words, spoken
+from ..diagnose.wording import effects_in_words
+from ..files.spoken import spoken
 from ..identify.signals.odds import ABOVE_NOISE
 from ..model.display import full_stop, pretty_unit
 from ..model.show import warnings as model_warnings

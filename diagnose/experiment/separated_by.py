@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...files.spoken import spoken
 from ...identify.signals.limits import CLEAR_OF_NOISE
 from ..result import Experiment
-from ..wording import effects_in_words, figure, spoken
+from ..wording import effects_in_words, figure
 from .excitations import BEYOND
 
 

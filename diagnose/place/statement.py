@@ -7,12 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...files.spoken import spoken
 from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ...model.units import compose
 from ..limits import ALL_AMPLITUDES
 from ..result import RecordFit
-from ..wording import figure, quantity, spoken
+from ..wording import figure, quantity
 from .free_form import KINDS, TURNING, Rows, explained, idle, solve
 from .mismatch_ranges import where_it_is
 from .what_it_follows import LOCKED, Symptoms, with_kind

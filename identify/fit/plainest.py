@@ -16,6 +16,7 @@ from itertools import combinations
 import numpy as np
 
 from ...errors import BadInput
+from ...files.spoken import spoken
 from ...model import Oscillator
 from ...model.fit_state import LACKING
 from ..problem.data import displacement_amplitude
@@ -184,10 +185,8 @@ def at_least(covariance: np.ndarray, own: np.ndarray) -> np.ndarray:
 
 
 def _sentence(names: Sequence[str]) -> str:
-    *others, last = names
-    both = f"{', '.join(others)} and {last}" if others else last
-    are, them = ("are", "them") if others else ("is", "it")
-    return f"{both} {are} left at zero: the recordings do not tell {them} from none (--all keeps {them})"
+    are, them = ("are", "them") if names[1:] else ("is", "it")
+    return f"{spoken(names)} {are} left at zero: the recordings do not tell {them} from none (--all keeps {them})"
 
 
 def _left(fit: Fit) -> float:

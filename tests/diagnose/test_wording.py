@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from dashpot.diagnose.wording import effects_in_words, figure, quantity, spoken
+from dashpot.diagnose.wording import effects_in_words, figure, quantity
 from dashpot.model.effect_words import effect_in_words
 
 
@@ -54,21 +54,6 @@ def test_a_length_is_told_in_thousandths_from_half_of_one_on(value, text):
 def test_only_units_that_take_a_prefix_get_one(unit, text):
     """Nobody says how an unknown unit is divided, and a kilogram has its prefix already."""
     assert quantity(4.1e-3, unit) == text
-
-
-@pytest.mark.parametrize(
-    ("names", "text"),
-    [
-        ((), ""),
-        (("a",), "a"),
-        (("a", "b"), "a and b"),
-        (("a", "b", "c"), "a, b and c"),
-        (("a", "b", "c", "d"), "a, b, c and d"),
-    ],
-)
-def test_a_list_is_spoken(names, text):
-    assert spoken(names) == text
-    assert spoken(names, "or") == text.replace(" and ", " or ")
 
 
 def test_effects_are_named_in_words_with_their_laws_names():

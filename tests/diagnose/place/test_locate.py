@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.place.locate import locate
 from dashpot.diagnose.result import RecordFit
-from dashpot.diagnose.wording import quantity, spoken
+from dashpot.diagnose.wording import quantity
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
@@ -89,7 +89,6 @@ def test_a_model_that_does_not_move_gives_the_widest_ranges(rig):
 def test_numbers_read_well():
     assert quantity(4.1e-3, "m") == "4.1 mm"
     assert quantity(2.5, "m/s2") == "2.5 m/s2"
-    assert spoken(["a", "b", "c"]) == "a, b and c"
 
 
 # --- a missing force put in by hand
