@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..model import units
+from ..model.covered import CLEARLY
 from ..model.equations import PAYLOAD, Equations, SurfaceKind, signed
 from ..model.fit_state import state_of_fit
 from ..model.law import Expression
@@ -23,9 +24,6 @@ from .smoothing import MotionSize
 if TYPE_CHECKING:
     from ..model import Oscillator
     from ..model.oscillator import Range
-
-#: By how much a value may be larger than what the recordings covered: the ends of a range are known no better.
-_CLEARLY = 1.01
 #: What the description of a start value ends with that each run has for itself: a phase.
 OWN = ", another in each run"
 #: Names that are a word of C or a device of Windows, so that no file or function can bear them.
@@ -135,12 +133,12 @@ class Covered:
     @classmethod
     def of_amplitude(cls, covered: Range) -> Covered:
         """Of an oscillator's amplitude, which has its slack as a part of each end."""
-        return cls("amplitude", covered.unit, covered.min, covered.max, covered.min / _CLEARLY, covered.max * _CLEARLY)
+        return cls("amplitude", covered.unit, covered.min, covered.max, covered.min / CLEARLY, covered.max * CLEARLY)
 
     @classmethod
     def of_span(cls, name: str, unit: str, low: float, high: float) -> Covered:
         """Of a variable that goes both ways."""
-        slack = (_CLEARLY - 1.0) * 0.5 * (high - low)
+        slack = (CLEARLY - 1.0) * 0.5 * (high - low)
         return cls(name, unit, low, high, low - slack, high + slack)
 
 

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from .element import Element
     from .oscillator import Oscillator, Range
 
-#: By how much of what was covered a motion may be larger without a word: the amplitudes of one motion differ so.
-_SLACK = 0.02
+#: How far beyond what was covered a motion is clearly outside, as a factor: the ends of a range are known no better.
+CLEARLY = 1.01
 
 
 def further(model: Oscillator | Element, covered: Range | None, reached: float) -> tuple[str, str] | None:
@@ -19,7 +19,7 @@ def further(model: Oscillator | Element, covered: Range | None, reached: float) 
 
     ``reached`` is in the unit of ``covered``: an amplitude or a speed.
     """
-    if covered is None or not reached > (1 + _SLACK) * covered.max:
+    if covered is None or not reached > CLEARLY * covered.max:
         return None
     (far, unit), (known, _) = (as_recorded(model, value, covered.unit) for value in (reached, covered.max))
     return f"{far:.3g} {unit}", f"{known:.3g} {unit}"
