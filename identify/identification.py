@@ -475,9 +475,9 @@ def _like_none(fit: Fit) -> list[str]:
         return []
     said = f"{spoken(names)} {'are' if names[1:] else 'is'} not distinguishable from zero in these recordings"
     if max(part.over_noise for part in fit.segments) > LACKING:
-        fixed = " ".join(f"--fix {name}=0" for name in names)
-        stay = "they stay" if names[1:] else "it stays"
-        said += f"; {stay} in the model, for what that leaves may have bent {'them' if names[1:] else 'it'} ({fixed})"
+        fixed = " ".join(f"--fix {name}=0" for name in names if "." not in name)  # a law is left out without --with
+        stay, them = ("they stay", "them") if names[1:] else ("it stays", "it")
+        said += f"; {stay} in the model, for what that leaves may have bent {them}{fixed and f' ({fixed})'}"
     return [said]
 
 
