@@ -46,7 +46,7 @@ def with_provenance(
     unit = model.response.displacement_unit
     known = _seen(curves, fit, recordings)
     floor = min((float(curve.amplitude.min()) for curve in known), default=0.0)
-    peak = max(float(np.max(np.abs(_moved(s, fit)))) for s in fit.segments)
+    peak = max(float(np.max(np.abs(_moved(s, fit, s.segment.recording in faults)))) for s in fit.segments)
     # a hammer's force reaches far beyond what it sets going
     struck = {s.segment.recording for s in fit.segments if isinstance(s.segment.force, ContactForce)}
     bands = [band_of(r) for i, r in enumerate(recordings) if i not in struck]
@@ -115,15 +115,15 @@ def _as_covariance(matrix: np.ndarray) -> np.ndarray:
     return made / own[:, None] / own * scale[:, None] * scale
 
 
-def _moved(part: SegmentFit, fit: Fit) -> np.ndarray:
+def _moved(part: SegmentFit, fit: Fit, faulty: bool = False) -> np.ndarray:
     """Displacement along a segment, by the pace of its motion, which omega0 is not where a law is the spring.
 
     Less what the sensor shows at zero. Where a fit leaves more than noise of a displacement, the recording itself says
-    how far it went. Of an acceleration what the force itself gives the mass is no motion yet: during a blow that is
-    most of it, and the rest is what spring and damping do.
+    how far it went, but for one whose measuring chain is ``faulty``. Of an acceleration what the force itself gives the
+    mass is no motion yet: during a blow that is most of it, and the rest is what spring and damping do.
     """
     segment, mass = part.segment, fit.oscillator.mass
-    measured = segment.quantity == "displacement" and part.over_noise > LACKING
+    measured = segment.quantity == "displacement" and part.over_noise > LACKING and not faulty
     moved = (segment.response if measured else part.simulated) - sum(
         offset.value for offset in fit.offsets if offset.channel == "response" and offset.recording == segment.recording
     )

@@ -150,3 +150,15 @@ def test_where_all_parameters_are_given_there_is_no_covariance(recording):
     found = identify([recording], fixed=dict(TRUTH))
     assert found.oscillator.identified is not None
     assert found.oscillator.identified.covariance == ()
+
+
+def test_of_a_bad_fit_the_recording_says_how_far_it_went_but_not_one_of_a_faulty_chain(fit, recording):
+    (part,) = fit.segments
+    bad = replace(fit, segments=(replace(part, simulated=0.6 * part.simulated, over_noise=75.0),))
+    moved, simulated = (float(np.max(np.abs(x))) for x in (part.segment.response, bad.segments[0].simulated))
+    amplitude = with_provenance(bad, [recording]).amplitude
+    faulty = with_provenance(bad, [recording], faults={0: "the response counts 1.67 times"}).amplitude
+    assert amplitude is not None
+    assert faulty is not None
+    assert amplitude.max == pytest.approx(moved, rel=1e-12)
+    assert faulty.max == pytest.approx(simulated, rel=1e-12)
